@@ -14,18 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from rollbench.compare.errors import ArgumentError, show_file_in_scene_errors
-from rollbench.compare.results.data import (
-    Ensemble,
-    Friction,
-    MeshStudy,
-    Survey,
-    Sweep,
-    ensemble_from_json,
-    friction_record_from_json,
-    mesh_study_from_json,
-    survey_from_json,
-    sweep_from_json,
-)
+from rollbench.compare.results.data import Ensemble, Friction, friction_record_from_json
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import scene_or_shaft_or_raise, scenes_to_solve
@@ -38,10 +27,13 @@ if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.results.comparison import Comparison
     from rollbench.compare.results.load_curve import LoadCurve
+    from rollbench.compare.results.mesh_study import MeshStudy
     from rollbench.compare.results.side_by_side import SideBySide
     from rollbench.compare.results.solved import Result
     from rollbench.compare.results.table import Table
     from rollbench.compare.results.verdict import Verdict
+    from rollbench.compare.studies.survey_models import Survey
+    from rollbench.compare.studies.sweep.run import Sweep
 
 #: Logger that reports the progress of long computations; ``logging.basicConfig(level="INFO")`` shows its messages.
 LOG = logging.getLogger("rollbench")
@@ -472,11 +464,11 @@ def ensemble(
     (4, 350)
     """
     from rollbench.compare.reference.jobs import ComputingSettings
-    from rollbench.compare.studies.members.members import ensemble_json, solve_random_draws_of_load_cases
+    from rollbench.compare.studies.members.members import ensemble_of_load_cases, solve_random_draws_of_load_cases
 
     described, engine = _scene_record(scene), ComputingSettings(parallel_jobs=workers)
     found = solve_random_draws_of_load_cases(described, described.name, model, members, seed, engine, LOG.info)
-    return ensemble_from_json(ensemble_json(described, *found))
+    return ensemble_of_load_cases(described, *found)
 
 
 @limited_to_one_thread()
@@ -675,10 +667,9 @@ def mesh_study(
 
     described = _scene_record(scene)
     if isinstance(described, Assembly) and roller.has_rollers(described):
-        return mesh_study_from_json(*roller.run_roller_mesh_study(described, levels, LOG.info, Path(store)))
+        return roller.run_roller_mesh_study(described, levels, LOG.info, Path(store))
     target = scene_or_shaft_or_raise(described, described.name)
-    found = run_mesh_study(target, levels, LOG.info, spread=spread, store=Path(store))
-    return mesh_study_from_json(*found)
+    return run_mesh_study(target, levels, LOG.info, spread=spread, store=Path(store))
 
 
 @limited_to_one_thread()
@@ -738,8 +729,7 @@ def sweep(
     from rollbench.compare.studies.sweep.run import solve_sweep, sweep_definition
 
     what = sweep_definition(str(scene), vary, samples, method, seed, model, outputs)
-    data = solve_sweep(what, Path(out), ComputingSettings(), LOG.info)
-    return sweep_from_json(data, Path(out))
+    return solve_sweep(what, Path(out), ComputingSettings(), LOG.info)
 
 
 @limited_to_one_thread()
@@ -830,7 +820,7 @@ def survey(model: str | Sequence[str], *, count: int = 300, max_error: float = 7
 
     _check_numbers(count=count, max_error=max_error, workers=workers)
     models = [model] if isinstance(model, str) else model
-    return survey_from_json(compare_models_on_random_screws(models, count, workers, max_error, LOG.info))
+    return compare_models_on_random_screws(models, count, workers, max_error, LOG.info)
 
 
 def _computing_settings() -> ComputingSettings:

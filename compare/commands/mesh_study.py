@@ -120,14 +120,11 @@ def study_mesh_levels(
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import scenes_to_solve
-    from rollbench.compare.sections.curves import mesh_convergence_figure
     from rollbench.compare.studies.mesh_study import (
         compute_references_on_levels,
-        mesh_accuracy_sentence,
-        mesh_level_table_rows,
         mesh_levels_of_study,
+        mesh_study_of_reference,
         mesh_study_rows_for_terminal,
-        mesh_study_table_of_bearing,
     )
 
     scenes: list[Solvable] = [x for name in names for x in scenes_to_solve(catalogue.scene_of_any_kind(name), name)]
@@ -138,18 +135,19 @@ def study_mesh_levels(
     tables: dict[str, list[dict[str, Any]]] = {scene.name: [] for scene in scenes}
     parts: list[Any] = []
     for one in references:
-        table, stem = mesh_study_table_of_bearing(one, stores, levels), store / f"{one.scene.name}-mesh-study"
+        study, stem = mesh_study_of_reference(one, stores, levels), store / f"{one.scene.name}-mesh-study"
+        table = [x.as_json() for x in study.quantities]
         rows = table if one.place_on_shaft is None else [{"set": one.place_on_shaft.name, **row} for row in table]
         tables[one.scene.name if one.place_on_shaft is None else one.place_on_shaft.assembly.name] += rows
-        figure = mesh_convergence_figure(one.scene.name, table, one.reference)
+        figure = study.figure()
         with written_together():
             write_csv(Path(f"{stem}.csv"), rows)
             if figure is not None:
                 write_figure(Path(f"{stem}.svg"), figure)
         parts += [f"mesh study of {one.reference.scene}", ""]
-        parts += [table_of_records(mesh_level_table_rows(one.reference)), ""]
-        parts += [table_of_records(mesh_study_rows_for_terminal(table)), ""]
-        parts += [mesh_accuracy_sentence(one.reference), *filter(None, [one.reference.unsettled])]
+        parts += [table_of_records([x.as_json() for x in study.levels]), ""]
+        parts += [table_of_records(mesh_study_rows_for_terminal(study.quantities)), ""]
+        parts += [*study.notes, *filter(None, [one.reference.unsettled])]
         parts.append(f"every contact: {stem}.csv and {reason_without_figure() or '.svg'}")
     return CommandOutput(tables, parts, exit_code_of_references(one.reference for one in references))
 
@@ -196,15 +194,15 @@ def study_single_rollers(names: Sequence[str], count: int | None, store: Path, *
         assert isinstance(scene, Assembly)
         kinds = roller.compute_runs_of_roller_kinds(scene, count, stores, show_progress_message, fresh=fresh)
         for one, runs in kinds:
-            said = roller.roller_mesh_study_json(one, runs)
-            found.setdefault(scene.name, []).append(said)
+            study = roller.roller_mesh_study(scene.name, one, runs)
+            found.setdefault(scene.name, []).append(study.as_json())
             stem = store / f"{scene.name}-{one.bearing_names[0]}-roller".replace(" ", "-")
             with written_together():
-                write_csv(Path(f"{stem}.csv"), said["quantities"])
-                write_csv(Path(f"{stem}-profile.csv"), said["profile"])
+                write_csv(Path(f"{stem}.csv"), study.frame_rows())
+                write_csv(Path(f"{stem}-profile.csv"), study.profile)
             parts += [f"mesh study of {scene.name}: a roller of {', '.join(one.bearing_names)}", ""]
-            parts += [table_of_records(said["levels"]), ""]
-            parts += [table_of_records(roller.roller_rows_for_terminal(said["quantities"])), ""]
-            parts += [roller.low_order_error_sentence(one, runs)]
+            parts += [table_of_records([x.as_json() for x in study.levels]), ""]
+            parts += [table_of_records(roller.roller_rows_for_terminal(study.quantities)), ""]
+            parts += [*study.notes]
             parts.append(f"along the roller: {stem}-profile.csv")
     return CommandOutput(found, parts)

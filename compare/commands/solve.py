@@ -22,8 +22,8 @@ from rollbench.compare.text.printing import CommandOutput, print_command_output,
 if TYPE_CHECKING:
     from rollbench.compare.models.load_cases import SceneSolution, ShaftSolution
     from rollbench.compare.reference.jobs import ComputingSettings
+    from rollbench.compare.results.data import Ensemble, Statistics
     from rollbench.compare.results.load_curve import LoadCurve
-    from rollbench.compare.studies.members.members import EnsembleSummary
     from rollbench.lowfi.statics.result import StaticResult
     from rollbench.lowfi.statics.tangent import TangentStiffness
     from rollbench.meshes.arrays import Array
@@ -434,73 +434,62 @@ def solve_specimens(
     seed of the random errors; None: that of the scene. ``engine``: runs the solves in parallel. ``balls``: also show the
     range of the load of every ball. Raises InputError if the scene or an option cannot be used.
     """
-    from rollbench.compare.results.base import add_schema_version
     from rollbench.compare.scenes import catalogue
+    from rollbench.compare.studies.members.members import ensemble_of_load_cases, solve_random_draws_of_load_cases
 
     described, step = catalogue.scene_of_any_kind(name), show_progress_message
-    from rollbench.compare.studies.members.members import ensemble_json, solve_random_draws_of_load_cases
-
-    each, cases = solve_random_draws_of_load_cases(described, name, model, count, seed, engine, step, csv_out)
-    shown = [x for batch in each for x in ensemble_terminal_parts(batch, balls=balls)]
+    solved = solve_random_draws_of_load_cases(described, name, model, count, seed, engine, step, csv_out)
+    found = ensemble_of_load_cases(described, *solved)
+    shown = ensemble_terminal_parts(found, balls=balls)
     shown += [f"wrote {csv_out}: one row for each specimen"] * bool(csv_out)
-    data = add_schema_version(ensemble_json(described, each, cases))
-    return CommandOutput(data, shown, 0 if all(len(batch.status_of_failed_draws) < count for batch in each) else 1)
+    return CommandOutput(found.to_dict(), shown, 0 if found.converged else 1)
 
 
-def _statistics_table(title: str, headings: Mapping[str, str], rows: Mapping[str, dict[str, Any] | None]) -> Any:
+def _statistics_table(title: str, headings: Mapping[str, str], outputs: Mapping[str, Statistics | None]) -> Any:
     """Return the table with the mean, standard deviation and quantiles of each computed quantity over the specimens.
 
-    ``headings``: name of each quantity in the table, by its key. ``rows``: statistics of each quantity by its key; a
+    ``headings``: name of each quantity in the table, by its key. ``outputs``: statistics of each quantity by its key; a
     quantity with None gets no row.
     """
     table = []
-    for key, stats in rows.items():
-        if stats is None:
-            continue
-        q = {row["level"]: f"{row['value']:.4g} ({row['low']:.4g} to {row['high']:.4g})" for row in stats["quantiles"]}
-        first = (f"{stats[k]:.4g}" for k in ("mean", "standard_error", "standard_deviation", "smallest"))
-        table.append([headings[key], *first, q[0.05], q[0.5], q[0.95], q[0.99], f"{stats['largest']:.4g}"])
+    for key, x in outputs.items():
+        if x is not None:
+            ends = {level: "{:.4g} to {:.4g}".format(*x.intervals[level]) for level in x.quantiles}
+            q = [f"{x.quantiles[level]:.4g} ({ends[level]})" for level in (0.05, 0.5, 0.95, 0.99)]
+            first = (f"{v:.4g}" for v in (x.mean, x.standard_error, x.standard_deviation, x.smallest))
+            table.append([headings[key], *first, *q, f"{x.largest:.4g}"])
     heads = ("", "mean", "standard error", "standard deviation", "smallest", "5 %", "median", "95 %", "99 %", "largest")
     return ruled_table(title, heads, table, ("",))
 
 
-def ensemble_terminal_parts(members: EnsembleSummary, *, balls: bool = False) -> list[Any]:
+def ensemble_terminal_parts(found: Ensemble, *, balls: bool = False) -> list[Any]:
     """Return lines and tables for the terminal with the statistics of all solved specimens with random errors.
 
     ``balls``: also a table with the range of the load of every ball.
     """
     from rollbench.compare.studies.members.ensemble import KEPT, OF_SET, WHOLE
-    from rollbench.compare.studies.members.members import ensemble_statistics_json
-    from rollbench.meshes.axis import Assembly
 
-    data = ensemble_statistics_json(members)
-    several = isinstance(members.scene, Assembly)
+    if found.cases:
+        return [part for one in found.cases.values() for part in ensemble_terminal_parts(one, balls=balls)]
     parts: list[Any] = [
-        f"{data['scene']}, model {data['model']}, seed {data['seed']}: {data['members']} specimens, {data['converged']} "
-        f"converged, {1e3 * members.seconds / data['members']:.3g} ms for each"
+        f"{found.scene}, model {found.model}, seed {found.seed}: {found.members} specimens, {found.converged} "
+        f"converged, {1e3 * found.seconds / found.members:.3g} ms for each"
     ]
-    parts += [f"specimen {row['member']}: {row['status']}" for row in data["failed"][:5]]
-    headings = WHOLE if several else KEPT
+    parts += [f"specimen {number}: {status}" for number, status in sorted(found.failed.items())[:5]]
     title = "specimens (in brackets: 95 % confidence interval of the quantile)"
-    tables = [_statistics_table(title, headings, data["statistics"])]
-    tables += [_statistics_table(f"set {s['set']}, {s['name']}", OF_SET, s["statistics"]) for s in data.get("sets", [])]
+    tables = [_statistics_table(title, WHOLE if found.sets else KEPT, found.outputs)]
+    tables += [_statistics_table(f"set {k}, {name}", OF_SET, of) for k, (name, of) in enumerate(found.sets.items(), 1)]
     stiff = "tangents: as rollbench solve prints them, for the position that the scene states"
     parts += [*tables, f"life: equivalent loads by ISO/TS 16281, with raceways of equal strength; {stiff}"]
-    if balls:
-        return [*parts, _contact_load_quantiles_table(data, members.load_distributions.width)]
-    return [*parts, "range of the load of every ball: add --balls"]
+    return [*parts, _contact_load_quantiles_table(found) if balls else "range of the load of every ball: add --balls"]
 
 
-def _contact_load_quantiles_table(data: dict[str, Any], width: float) -> Any:
-    """Return the table with quantiles of every contact load over the specimens.
-
-    ``data``: JSON results of the specimens. ``width``: bin width [N] of the histograms of the loads, by which the quantiles
-    taken from them may be wrong.
-    """
-    keys = [key for key in (data["balls"][0] if data["balls"] else ()) if key != "quantile_0.5_N"]
-    rows = ([v if isinstance(v := row[key], str) else f"{v:.4g}" for key in keys] for row in data["balls"])
+def _contact_load_quantiles_table(found: Ensemble) -> Any:
+    """Return the table with quantiles of every contact load over the specimens."""
+    keys = [key for key in (found.contacts[0] if found.contacts else ()) if key != "quantile_0.5_N"]
+    rows = ([v if isinstance(v := row[key], str) else f"{v:.4g}" for key in keys] for row in found.contacts)
     headings = (key.removesuffix("_N").replace("_", " ") for key in keys)
-    title = f"contact loads / N over the specimens (sampling error of the quantiles: {width:.2g} N)"
+    title = f"contact loads / N over the specimens (sampling error of the quantiles: {found.band_resolution:.2g} N)"
     return ruled_table(title, headings, rows)
 
 

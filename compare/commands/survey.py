@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from rollbench.compare.studies.extremes import FormulationOutcome
+    from rollbench.compare.studies.survey_models import Survey
 
 
 @app.command
@@ -82,46 +83,42 @@ def judge_models_on_screws(
     """
     from rollbench.compare.files import check_writable, write_csv, write_figure, written_together
     from rollbench.compare.models.programs import model_title
-    from rollbench.compare.studies.survey_models import compare_models_on_random_screws, figure_of_errors_on_random_screws
+    from rollbench.compare.studies.survey_models import compare_models_on_random_screws
 
     stem = re.sub(r"[^\w.]+", "-", f"survey-{'-'.join(map(model_title, models))}")
     table, drawing = out / f"{stem}.csv", out / f"{stem}.svg"
     for path in (table, drawing):
         check_writable(path)
-    data = compare_models_on_random_screws(models, count, workers, max_error, show_progress_message)
+    found = compare_models_on_random_screws(models, count, workers, max_error, show_progress_message)
     drawn = "no figure"
     with written_together():
-        write_csv(
-            table, [{"model": model_title(name)} | dict(row) for name, rows in data["models"].items() for row in rows]
-        )
-        if any("verdict" in r for r in data["models"][models[0]]):
-            drawn = write_figure(drawing, figure_of_errors_on_random_screws(data))
-    parts = [*_survey_terminal_parts(data, models), f"wrote {table} (every screw) and {drawn}"]
-    return CommandOutput(data, parts, 1 if any(data["without_answer"].values()) else 0)
+        write_csv(table, found.frame_rows())
+        if (figure := found.figure()) is not None:
+            drawn = write_figure(drawing, figure)
+    parts = [*_survey_terminal_parts(found), f"wrote {table} (every screw) and {drawn}"]
+    return CommandOutput(found.to_dict(), parts, 1 if any(found.without_answer.values()) else 0)
 
 
-def _survey_terminal_parts(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
-    """Yield the sentences and tables in which the terminal shows the errors of models on the randomly drawn screws.
-
-    ``data``: JSON results of the models on every screw. ``models``: names of the judged models.
-    """
+def _survey_terminal_parts(found: Survey) -> Iterator[Any]:
+    """Yield the sentences and tables in which the terminal shows the errors of models on the randomly drawn screws."""
     from rollbench.compare.models.programs import model_title
+    from rollbench.compare.studies.survey import LEVEL as SURVEY_LEVEL
     from rollbench.compare.studies.survey_models import WORST, median_errors_by_screw_kind
 
-    missing = "" if data["screws"] == data["of"] else f", out of {data['of']}"
-    for name in models:
-        rows, title = data["models"][name], model_title(name)
+    missing = "" if found.screws == found.of else f", out of {found.of}"
+    for name in found.judged:
+        rows, title = found.rows[name], model_title(name)
         answered = sorted((r for r in rows if "verdict" in r), key=lambda r: -float(r["largest_percent"]))
         if answered:
             sizes, bars, times = ([r[k] for r in answered] for k in ("largest_percent", "uncertainty_percent", "seconds"))
-            counts = ", ".join(f"{n} {word}" for word, n in sorted(data["verdicts"][name].items()))
+            counts = ", ".join(f"{n} {word}" for word, n in sorted(found.verdicts[name].items()))
             yield (
                 f"error of {title} on the worst contact: median {median(sizes):.3g} %, largest {max(sizes):.3g} % of the "
                 f"mean load, over {len(answered)} drawn ball screws; uncertainty of the 3D reference on mesh level "
-                f"{data['level']}, from experience: median {median(bars):.2g} %, largest {max(bars):.2g} %; computing time "
+                f"{SURVEY_LEVEL}, from experience: median {median(bars):.2g} %, largest {max(bars):.2g} %; computing time "
                 f"{median(times):.2g} s a screw"
             )
-            yield f"verdicts with a limit of {data['max_error_percent']:g} %: {counts}"
+            yield f"verdicts with a limit of {found.max_error:g} %: {counts}"
             yield "screws with the largest errors: " + "; ".join(
                 f"screw {r['screw']} ({r['title']}) {r['largest_percent']:.3g} % at ball {r['at']}"
                 for r in answered[:WORST]
@@ -131,12 +128,12 @@ def _survey_terminal_parts(data: Mapping[str, Any], models: Sequence[str]) -> It
             reasons.setdefault(re.sub(r"survey-\d+-\d+", "the screw", r["status"]), []).append(r["screw"])
         for reason, numbers in reasons.items():
             yield f"no result for {len(numbers)} of {len(rows)} screws, the first is number {numbers[0]}: {reason}"
-    yield f"screws with a stored reference: {data['screws']}{missing}"
-    yield from _errors_on_screws_drawn_later(data["models"])
+    yield f"screws with a stored reference: {found.screws}{missing}"
+    yield from _errors_on_screws_drawn_later(found.rows)
     title = "absolute errors over the screws / %; errors of loads in per cent of the mean load"
-    yield table_of_records(data["summary"], ".2f", title)
+    yield table_of_records(found.summary, ".2f", title)
     title = "median error of the worst contact load by kind of screw / % of the mean load"
-    yield table_of_records(median_errors_by_screw_kind(data["models"]), ".2f", title)
+    yield table_of_records(median_errors_by_screw_kind(found.rows), ".2f", title)
 
 
 def _errors_on_screws_drawn_later(models: Mapping[str, Sequence[Mapping[str, Any]]]) -> Iterator[str]:

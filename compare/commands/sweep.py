@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -17,8 +17,7 @@ from rollbench.compare.text.printing import CommandOutput, format_cell, print_co
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import ComputingSettings
-    from rollbench.compare.studies.sweep.keys import VariedKey
-    from rollbench.compare.studies.sweep.run import SweepDefinition
+    from rollbench.compare.studies.sweep.run import Sweep, SweepDefinition
 
 
 @terminal.app.command
@@ -84,10 +83,10 @@ def solve_and_report_sweep(sweep: SweepDefinition, out: Path, engine: ComputingS
 
     found = solve_sweep(sweep, out, engine, show_progress_message)
     written = f"wrote to {out}: samples.csv, summary.json and {reason_without_figure() or 'figures (SVG)'}"
-    return CommandOutput(found, [*sweep_terminal_parts(sweep.keys, found), written], 0 if found["converged"] else 1)
+    return CommandOutput(found.to_dict(), [*sweep_terminal_parts(found), written], 0 if found.converged else 1)
 
 
-def sweep_terminal_parts(keys: Sequence[VariedKey], found: Mapping[str, Any]) -> list[Any]:
+def sweep_terminal_parts(found: Sweep) -> list[Any]:
     """Return the texts and tables in which the terminal shows a sweep.
 
     These are counts, statistics of all outputs, effects and Sobol indices of the largest load, and the samples with the
@@ -95,30 +94,28 @@ def sweep_terminal_parts(keys: Sequence[VariedKey], found: Mapping[str, Any]) ->
     """
     from rollbench.compare.studies.sweep.sample import MAIN, OUTPUTS
 
-    parts: list[Any] = [f"{found['solved']} samples, {found['converged']} converged"]
-    parts += [f"failed: {row['samples']} samples: {row['reason']}" for row in found["failures"][:5]]
+    parts: list[Any] = [f"{found.solved} samples, {found.converged} converged"]
+    parts += [f"failed: {count} samples: {reason}" for reason, count in found.failures[:5]]
     names = ("mean", "standard_error", "standard_deviation", "smallest", "quantile_0.05", "quantile_0.95", "largest")
-    rows = ([OUTPUTS[name], *(format_cell(x and x[n], ".5g") for n in names)] for name, x in found["outputs"].items())
+    stats = {name: {} if x is None else x.as_json() for name, x in found.outputs.items()}
+    rows = ([OUTPUTS[name], *(format_cell(x.get(n), ".5g") for n in names)] for name, x in stats.items())
     parts.append(ruled_table("computed quantities", ["", *(n.replace("_", " ") for n in names)], rows))
-    parts.append(_parameter_effects_table(keys, found))
-    worst = ([str(row["sample"]), f"{row[MAIN]:.5g}", row["at"], *map(str, row["values"])] for row in found["worst"])
-    headings = ["sample", OUTPUTS[MAIN], "at contact", *(v.short_name for v in keys)]
+    parts.append(_parameter_effects_table(found))
+    worst = ([str(row["sample"]), f"{row[MAIN]:.5g}", row["at"], *map(str, row["values"])] for row in found.worst)
+    headings = ["sample", OUTPUTS[MAIN], "at contact", *(v.short_name for v in found.design.keys)]
     return [*parts, ruled_table("samples with the largest loads", headings, worst)]
 
 
-def _parameter_effects_table(keys: Sequence[VariedKey], found: Mapping[str, Any]) -> Any:
-    """Return the table of the effect of each parameter on the largest load, with first-order and total Sobol indices.
-
-    ``keys``: varied parameters. ``found``: summary of the sweep.
-    """
+def _parameter_effects_table(found: Sweep) -> Any:
+    """Return the table of the effect of each parameter on the largest load, with first-order and total Sobol indices."""
     from rollbench.compare.studies.sweep.sample import MAIN
 
-    indices = found["indices"].get("outputs", {}).get(MAIN)
-    why = found["indices"].get("none", "no Sobol indices: the largest load does not change")
+    indices = found.indices.get("outputs", {}).get(MAIN)
+    why = found.indices.get("none", "no Sobol indices: the largest load does not change")
     title = "effect of each parameter on the largest contact load" + (f" ({why})" if indices is None else "")
     rows = []
-    for vary in keys:
-        means = [g["mean"] for g in found["main_effects"][vary.key]]
+    for vary in found.design.keys:
+        means = [g["mean"] for g in found.main_effects[vary.key]]
         cells = [f"{min(means):.5g}", f"{max(means):.5g}"] if means else ["–", "–"]
         cells += [_sobol_index_text(indices[vary.key], kind) if indices is not None else "–" for kind in ("first", "total")]
         rows.append([vary.axis_label, *cells])
@@ -172,7 +169,7 @@ def table(
     """
     from rollbench.compare.files import check_writable, write_figure, written_together
     from rollbench.compare.studies.table import check_table_request, solve_table
-    from rollbench.compare.studies.table_files import check_file_format, table_figure, write_table_file
+    from rollbench.compare.studies.table_files import check_file_format, write_table_file
     from rollbench.compare.text.solved import parameter_table_parts
 
     texts: list[str] = []
@@ -191,7 +188,7 @@ def table(
     if out is not None:
         with written_together():
             write_table_file(out, found)
-            drawn = table_figure(found)
+            drawn = found.figure()
             picture = "no figure" if drawn is None else write_figure(out.with_suffix(".svg"), drawn)
         parts.append(f"wrote {out}: {len(found.rows)} rows; {picture}")
     answer = CommandOutput(found.to_dict(), parts, 0 if found.converged else 1, wrap_always=True)

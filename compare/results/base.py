@@ -14,7 +14,11 @@ from rollbench.compare.quantities import name_and_unit_of_key, words_and_unit_of
 from rollbench.reports.cells import replace_um_by_micrometre
 
 if TYPE_CHECKING:
+    import pandas
     import pint
+    from matplotlib.figure import Figure
+
+    from rollbench.reports.content import Figure as FigureContent
 
 #: A value that the JSON format can represent.
 JSON: TypeAlias = "bool | int | float | str | list[JSON] | dict[str, JSON] | None"
@@ -283,6 +287,83 @@ class Record(ABC):
                 raise KeyError(f"{path}: there is no key {key!r}; available keys: {there}")
             value = value[key]
         return value
+
+
+class TabularRecord(Record):
+    """Result that is also a data frame and a figure."""
+
+    @abstractmethod
+    def frame_rows(self) -> Sequence[Mapping[str, Any]]:
+        """Return the rows of the data frame: numbers and texts by column, whose names end with the unit of a number."""
+
+    @abstractmethod
+    def figure(self) -> FigureContent | None:
+        """Return the figure that `plot` draws, as the report draws it; None if there is nothing to draw."""
+
+    def columns(self) -> dict[str, list[Any]]:
+        """Return the columns of `to_dataframe` without pandas.
+
+        Returns
+        -------
+        dict
+            List of each column, by its name; all lists have the same length. None where a row has no value.
+        """
+        rows = self.frame_rows()
+        return {name: [row.get(name) for row in rows] for name in dict.fromkeys(name for row in rows for name in row)}
+
+    def units(self) -> dict[str, str]:
+        """Return the unit of each column of `columns` by its name; columns without unit are left out.
+
+        Returns
+        -------
+        dict
+            Unit of each column, such as "N", by the column's name.
+        """
+        found = {name: name_and_unit_of_key(name)[1] for name in self.columns()}
+        return {name: unit.text for name, unit in found.items() if unit is not None}
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return the result as a pandas data frame with the columns of `columns`.
+
+        Returns
+        -------
+        pandas.DataFrame
+            The frame; its ``attrs["units"]`` are the units of the columns by their names, see `units`.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        import pandas
+
+        frame = pandas.DataFrame(self.columns())
+        frame.attrs["units"] = self.units()
+        return frame
+
+    def plot(self) -> Figure:
+        """Draw the result, as the commands and the report draw it.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Figure that is independent of pyplot; save it by ``plot().savefig("figure.svg")``.
+
+        Raises
+        ------
+        ValueError
+            If there is nothing to draw.
+        ImportError
+            If matplotlib is not installed.
+        """
+        shown = self.figure()
+        if shown is None:
+            raise ValueError(f"{type(self).__name__}: nothing to draw")
+        from rollbench.reports.figures import draw_figure_and_canvas
+
+        drawn = draw_figure_and_canvas(shown)[1]
+        drawn.suptitle("\n".join(textwrap.wrap(shown.title, 76)), fontsize="medium")
+        return drawn
 
 
 def warn_of_deprecation(former_name: str, replacement: str) -> None:

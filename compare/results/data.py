@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from statistics import median
 from typing import Any, TypeAlias
 
-from rollbench.compare.quantities import fields_from_json
-from rollbench.compare.results.base import JSON, Record, add_schema_version
+import numpy as np
+
+from rollbench.compare.quantities import fields_from_json, record_as_json
+from rollbench.compare.results.base import JSON, Record, TabularRecord, add_schema_version
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
+from rollbench.reports.content import Figure, Panel, Series
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -349,105 +352,15 @@ def friction_record_from_json(data: Mapping[str, Any]) -> Friction:
     )
 
 
-@dataclass(frozen=True)
-class MeshLevel:
-    """One mesh level of a mesh study of the 3D reference."""
-
-    level: int
-    """Number of the level; 1 is the coarsest."""
-    cell_size: float
-    """Ratio of the cell size on this level to that on the finest level [1]."""
-    unknowns: int
-    """Number of unknowns (displacements of nodes) of the whole mesh."""
-    seconds: float
-    """Computing time of the 3D reference on this mesh level [s]."""
-    difference: float
-    """Largest difference of a contact load from the finest level [% of the mean contact load]."""
-    enough_for: float | None
-    """Uncertainty of the contact loads [% of the mean contact load], estimated from this level and the coarser levels. For
-    a single roller in 3D: uncertainty of its elastic approach [%]. None if there is only one level."""
+#: Probabilities of the quantiles of an output.
+QUANTILES = (0.01, 0.05, 0.5, 0.95, 0.99)
 
 
-@dataclass(frozen=True)
-class MeshQuantity:
-    """Values of one quantity, such as the load of one contact, on the levels of a mesh study."""
-
-    name: str
-    """Name of the quantity, such as ``largest load, SL``."""
-    unit: str
-    """Unit of the values."""
-    values: tuple[float, ...]
-    """Value on every mesh level, coarsest first [unit]."""
-    order: float | None
-    """Observed order of convergence [1]; None if the values do not converge monotonically (contact loads often do not)."""
-    extrapolated: float | None
-    """Value extrapolated to zero cell size [unit]; None if no order of convergence was observed."""
-    uncertainty: float | None
-    """Uncertainty of the value on the finest level [unit]; None with a single level."""
-
-
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class MeshStudy(Data):
-    """Mesh study of a scene: contact loads and other results of the 3D reference on several mesh levels."""
-
-    scene: str
-    """Name of the scene."""
-    levels: tuple[MeshLevel, ...] = ()
-    """Mesh levels, coarsest first; empty if the scene has several nuts or bearings."""
-    quantities: tuple[MeshQuantity, ...] = ()
-    """Quantities that are compared between the levels; empty if the scene has several nuts or bearings."""
-    sets: Mapping[str, MeshStudy] = field(default_factory=dict)
-    """Mesh study of each nut or bearing on a shaft with several, by name; empty for a single nut or bearing."""
-
-
-def mesh_study_from_json(data: Mapping[str, Any], shown: str = "", notes: Sequence[str] = ()) -> MeshStudy:
-    """Convert the JSON of ``rollbench mesh-study`` to a record.
-
-    Parameters
-    ----------
-    data
-        JSON of one scene, with the values of each nut or bearing at the key ``sets`` if it has several.
-    shown
-        Key of the part of the JSON that the table shows; if empty, the table shows all values.
-    notes
-        Sentences printed below the table.
-
-    Returns
-    -------
-    MeshStudy
-        The record.
-    """
-    rows = data.get("levels", ())
-    levels = [
-        MeshLevel(x["level"], x["cell_size"], x["unknowns"], x["seconds"], x["difference_percent"], x["enough_for_percent"])
-        for x in rows
-    ]
-    quantities = [
-        MeshQuantity(
-            x["quantity"],
-            x["unit"],
-            tuple(x[f"level {row['level']}"] for row in rows),
-            x.get("order"),
-            x.get("extrapolated"),
-            x.get("uncertainty"),
-        )
-        for x in data.get("quantities", ())
-    ]
-    return MeshStudy(
-        values=data,
-        shown=shown,
-        notes=tuple(notes),
-        scene=str(data["scene"]),
-        levels=tuple(levels),
-        quantities=tuple(quantities),
-        sets={str(one["set"]): mesh_study_from_json(one, "levels") for one in data.get("sets", ())},
-    )
-
-
-@result_record
+@result_record(kw_only=True)
 class Statistics:
     """Statistics of one output over the samples of a sweep or the specimens of an ensemble, in the output's unit."""
 
+    members: int | None = quantity_field("members", "number of specimens for which the value exists", default=None)
     mean: float = quantity_field("mean", "mean over the specimens", error="`standard_error`")
     standard_error: float = quantity_field(
         "standard_error",
@@ -456,34 +369,126 @@ class Statistics:
     standard_deviation: float = quantity_field("standard_deviation", "standard deviation over the specimens")
     smallest: float = quantity_field("smallest", "smallest value of any specimen")
     largest: float = quantity_field("largest", "largest value of any specimen")
-    members: int | None = quantity_field("members", "number of specimens for which the value exists", default=None)
     quantiles: Mapping[float, float] = quantity_field(
         "quantiles",
         "probability, value of the quantile, and the limits of its 95 % confidence interval, low and high",
         parts="[].*",
-        show=dict,
         default_factory=dict,
     )
     """Quantiles of the output, by their probability: 0.01, 0.05, 0.5, 0.95, 0.99."""
+    intervals: Mapping[float, tuple[float, float]] = field(default_factory=dict)
+    """Ends of the 95 % confidence interval of each quantile, by its probability; empty for the samples of a sweep."""
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the statistics as JSON values; quantiles are a list with intervals, or without these one key for each."""
+        data = record_as_json(self, "quantiles", *(() if self.intervals else ("members",)))
+        if not self.intervals:
+            return data | {f"quantile_{level:g}": value for level, value in self.quantiles.items()}
+        each = ((level, value, *self.intervals[level]) for level, value in self.quantiles.items())
+        return data | {"quantiles": [dict(zip(("level", "value", "low", "high"), one, strict=True)) for one in each]}
+
+
+def output_statistics(values: Array, *, intervals: bool = False) -> Statistics | None:
+    """Compute the statistics of an output over samples or specimens.
+
+    Parameters
+    ----------
+    values
+        Values of one output, (M,); those that are not finite are left out.
+    intervals
+        Whether the number of values, and the 95 % confidence interval of each quantile, are given too.
+
+    Returns
+    -------
+    Statistics or None
+        Statistics in the unit of the values; None with fewer than two finite values.
+    """
+    y = values[np.isfinite(values)]
+    if y.size < 2:
+        return None
+    deviation = float(y.std(ddof=1))
+    return Statistics(
+        members=int(y.size) if intervals else None,
+        mean=float(y.mean()),
+        standard_error=deviation / float(np.sqrt(y.size)),
+        standard_deviation=deviation,
+        smallest=float(y.min()),
+        largest=float(y.max()),
+        quantiles={level: float(np.quantile(y, level)) for level in QUANTILES},
+        intervals={level: _quantile_interval(y, level) for level in QUANTILES} if intervals else {},
+    )
+
+
+def _quantile_interval(y: Array, level: float) -> tuple[float, float]:
+    """Return the ends of the 95 % confidence interval of a quantile, from values ``y``; ``level``: probability."""
+    y = np.sort(y)
+    low, high = (_binomial_quantile(p, y.size, level) for p in (0.025, 0.975))
+    return float(y[max(low - 1, 0)]), float(y[min(high, y.size - 1)])
+
+
+def _binomial_quantile(probability: float, trials: int, chance: float) -> int:
+    """Return a quantile of a binomial distribution: the smallest number of successes whose cumulative probability suffices.
+
+    ``probability``: cumulative probability that it must at least have; ``trials``: number of trials; ``chance``:
+    probability of success of each trial. Probabilities are summed within about fifteen standard deviations of the mean;
+    scipy.special has such a function, too, but takes long to import.
+    """
+    mean, reach = trials * chance, 15.0 * (1.0 + np.sqrt(trials * chance * (1.0 - chance)))
+    first = max(0, int(mean - reach))
+    k = np.arange(first, min(trials, int(mean + reach)))
+    grown = np.append(0.0, np.cumsum(np.log((trials - k) / (k + 1.0) * chance / (1.0 - chance))))
+    below = np.cumsum(np.exp(grown - grown.max()))
+    return first + int(np.searchsorted(below, (1.0 - 1e-12) * probability * below[-1]))  # less the round-off of the sum
+
+
+def statistics_as_json(outputs: Mapping[str, Statistics | None]) -> dict[str, Any]:
+    """Return the statistics of several outputs as JSON values by the name of the output; None where there are none."""
+    return {name: None if x is None else x.as_json() for name, x in outputs.items()}
+
+
+def statistics_rows(outputs: Mapping[str, Statistics | None]) -> list[dict[str, Any]]:
+    """Return a row for each statistic, such as mean or a quantile, with a column for each output.
+
+    ``outputs``: statistics by the name of the output, which ends with its unit. Statistics that no output has are left out.
+    """
+    known = {name: x for name, x in outputs.items() if x is not None}
+    flat = {name: _flat_statistics(x) for name, x in known.items()}
+    rows = dict.fromkeys(key for of in flat.values() for key in of)
+    return [{"statistic": key, **{name: of.get(key) for name, of in flat.items()}} for key in rows]
+
+
+def _flat_statistics(x: Statistics) -> dict[str, float]:
+    """Return the values of statistics by their names, one value each; ends of intervals end with "low" and "high"."""
+    out = {name: value for name, value in record_as_json(x, "quantiles").items() if value is not None}
+    for level, value in x.quantiles.items():
+        ends = dict(zip(("_low", "_high"), x.intervals.get(level, ()), strict=False))
+        out |= {f"quantile_{level:g}{end}": number for end, number in ({"": value} | ends).items()}
+    return out
 
 
 @result_record(eq=False, repr=False, kw_only=True)
-class Ensemble(Data):
+class Ensemble(TabularRecord):
     """Statistics of the results over many specimens of a scene with random geometric errors."""
 
     scene: str
     """Name of the scene."""
+    model: str = ""
+    """Name of the model; empty if the scene has load cases."""
+    seed: int | Sequence[int | None] | None = None
+    """Seed of the random errors, or that of each nut or bearing; None if the scene has load cases, or for rollers."""
+    seconds: float = 0.0
+    """Computing time of all specimens [s]."""
     members: int
     """Number of specimens in each load case."""
     converged: int
     """Number of specimens with an equilibrium; with load cases, the smallest such number of any case."""
-    outputs: Mapping[str, Statistics | None]
+    outputs: Mapping[str, Statistics | None] = field(default_factory=dict)
     """Statistics of each output, by its name; None if fewer than two specimens have a value. Empty if the scene has load
     cases."""
-    failed: Mapping[int, str]
+    failed: Mapping[int, str] = field(default_factory=dict)
     """For each specimen without equilibrium, by its number from 0, the reason why it has none. Empty if the scene has load
     cases."""
-    sets: Mapping[str, Mapping[str, Statistics | None]]
+    sets: Mapping[str, Mapping[str, Statistics | None]] = field(default_factory=dict)
     """Statistics by the name of the nut or bearing and the name of the output; empty for a single nut or bearing."""
     contacts: tuple[Mapping[str, float | str], ...] = quantity_field(
         "balls",
@@ -504,146 +509,76 @@ class Ensemble(Data):
     band_resolution: float | None = quantity_field(
         "band_resolution_N", "sampling error of the quantiles of the contact loads", default=None
     )
-    cases: Mapping[str, Ensemble]
+    cases: Mapping[str, Ensemble] = field(default_factory=dict)
     """Statistics of each load case, by its name; empty without load cases."""
 
+    @property
+    def _shown_path(self) -> str:
+        """Key of the part of the JSON that the table shows."""
+        return "cases" if self.cases else "statistics"
 
-def ensemble_from_json(data: Mapping[str, Any]) -> Ensemble:
-    """Convert the JSON of ``rollbench solve --members`` to a record.
+    def to_dict(self) -> dict[str, JSON]:
+        """Return the ensemble as a dictionary, as ``rollbench solve --members --json`` prints it.
 
-    Parameters
-    ----------
-    data
-        JSON of one scene, with the values of its load cases at the key ``cases``.
+        Returns
+        -------
+        dict
+            JSON values by key.
+        """
+        return add_schema_version(self.as_json())
 
-    Returns
-    -------
-    Ensemble
-        The record.
-    """
-    cases = {str(one["case"]): ensemble_from_json(one) for one in data.get("cases", ())}
-    return Ensemble(
-        values=data,
-        shown="cases" if cases else "statistics",
-        scene=str(data["scene"]),
-        members=data["members"] if not cases else min(one.members for one in cases.values()),
-        converged=data["converged"] if not cases else min(one.converged for one in cases.values()),
-        outputs=_output_statistics_from_json(data.get("statistics", {})),
-        failed={one["member"]: one["status"] for one in data.get("failed", ())},
-        sets={one["name"]: _output_statistics_from_json(one["statistics"]) for one in data.get("sets", ())},
-        contacts=tuple(data.get("balls", ())),
-        band_resolution=data.get("band_resolution_N"),
-        cases=cases,
-    )
+    def as_json(self) -> dict[str, Any]:
+        """Return the JSON values of `to_dict` without the version number of the format."""
+        if self.cases:
+            return {"scene": self.scene, "cases": [{"case": name} | one.as_json() for name, one in self.cases.items()]}
+        data: dict[str, Any] = {"scene": self.scene, "model": self.model}
+        data["seed"] = self.seed if isinstance(self.seed, int) or self.seed is None else list(self.seed)
+        data |= {"members": self.members, "converged": self.converged}
+        data["failed"] = [{"member": number, "status": status} for number, status in sorted(self.failed.items())]
+        if self.sets:
+            data["sets"] = [
+                {"set": k, "name": name, "statistics": statistics_as_json(of)}
+                for k, (name, of) in enumerate(self.sets.items(), 1)
+            ]
+        data |= {"statistics": statistics_as_json(self.outputs), "band_resolution_N": self.band_resolution}
+        return data | {"balls": [dict(row) for row in self.contacts]}
 
+    def frame_rows(self) -> Sequence[Mapping[str, Any]]:
+        """Return a row for each statistic, with a column for each output; of each load case and each nut or bearing."""
+        if self.cases:
+            return [{"case": name} | dict(row) for name, one in self.cases.items() for row in one.frame_rows()]
+        whole = statistics_rows(self.outputs)
+        sets = [{"set": name} | row for name, of in self.sets.items() for row in statistics_rows(of)]
+        return [*({"set": None} | row for row in whole), *sets] if sets else whole
 
-def _output_statistics_from_json(each: Mapping[str, Any]) -> dict[str, Statistics | None]:
-    """Convert the JSON statistics of several outputs to records; None for an output without statistics.
+    def figure(self) -> Figure | None:
+        """Return the figure of the contact loads over the balls: median and 5 to 95 % of the specimens, a panel a flank."""
+        panels = list(self._load_panels(""))[:6]
+        title = f"{self.scene}: contact loads of {self.members} specimens with random errors"
+        return Figure(f"{self.scene}-members", title, panels, columns=2) if panels else None
 
-    ``each``: JSON statistics by the name of the output, such as ``largest_load_N``.
-    """
-    return {name: None if x is None else _statistics_from_json(x) for name, x in each.items()}
-
-
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class Sweep(Data):
-    """Statistics of a scene's results over sampled values of its parameters."""
-
-    folder: Path
-    """Folder with every sample (``samples.csv``) and the summary."""
-    solved: int
-    """Number of samples."""
-    converged: int
-    """Number of samples with an equilibrium."""
-    outputs: Mapping[str, Statistics | None]
-    """Statistics of each output, by its name; None if fewer than two samples have a value."""
-    sobol: Mapping[str, Mapping[str, float]]
-    """Total Sobol index [1], by the name of the output and the key of the parameter. Outputs that do not vary are left out;
-    empty if the samples are no Sobol design, or too few."""
-
-
-def sweep_from_json(data: Mapping[str, Any], folder: Path) -> Sweep:
-    """Convert the JSON summary of a sweep to a record.
-
-    Parameters
-    ----------
-    data
-        JSON of the summary.
-    folder
-        Folder with the samples of the sweep.
-
-    Returns
-    -------
-    Sweep
-        The record.
-    """
-    indices = data["indices"].get("outputs", {})
-    return Sweep(
-        values=data,
-        shown="outputs",
-        notes=(f"{data['converged']} of {data['solved']} samples converged: {folder}",),
-        folder=folder,
-        solved=data["solved"],
-        converged=data["converged"],
-        outputs=_output_statistics_from_json(data["outputs"]),
-        sobol={name: {key: x["total"] for key, x in of.items()} for name, of in indices.items() if of is not None},
-    )
-
-
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class Survey(Data):
-    """Errors of models against stored runs of the 3D reference, on randomly drawn ball screws of catalogue dimensions.
-
-    The error of a model on one screw is that of its worst contact load [% of the mean contact load].
-    """
-
-    screws: int
-    """Number of randomly drawn screws for which a run of the 3D reference is stored."""
-    median: Mapping[str, float]
-    """Median of a model's errors on the screws that it solved [%], by the model's name."""
-    largest: Mapping[str, float]
-    """Largest of a model's errors on the screws that it solved [%], by the model's name."""
-    rows: Mapping[str, tuple[Mapping[str, JSON], ...]]
-    """Results of a model for every screw, by the model's name, in the units that the keys end with. ``status`` is
-    "converged", or the reason why the screw was not solved."""
-
-
-def survey_from_json(data: Mapping[str, Any]) -> Survey:
-    """Convert the JSON of ``rollbench survey`` to a record.
-
-    Parameters
-    ----------
-    data
-        JSON of the survey.
-
-    Returns
-    -------
-    Survey
-        The record.
-    """
-    sizes = {
-        name: [float(row["largest_percent"]) for row in rows if row["status"] == "converged"]
-        for name, rows in data["models"].items()
-    }
-    return Survey(
-        values=data,
-        shown="summary",
-        notes=(f"{data['screws']} of {data['of']} random screws have a stored reference, on level {data['level']}",),
-        screws=data["screws"],
-        median={name: median(x) for name, x in sizes.items() if x},
-        largest={name: max(x) for name, x in sizes.items() if x},
-        rows={name: tuple(rows) for name, rows in data["models"].items()},
-    )
-
-
-def _statistics_from_json(x: Mapping[str, Any]) -> Statistics:
-    """Convert the JSON statistics of one output to a record.
-
-    Quantiles are read from the keys ``quantile_0.05`` etc. of a sweep, or from the list ``quantiles`` of an ensemble.
-    """
-    quantiles = {float(k.removeprefix("quantile_")): v for k, v in x.items() if k.startswith("quantile_")}
-    quantiles |= {float(one["level"]): one["value"] for one in x.get("quantiles", ())}
-    return Statistics(**(fields_from_json(Statistics, x) | {"quantiles": quantiles}))
+    def _load_panels(self, case: str) -> Iterator[Panel]:
+        """Yield a panel for each flank of each nut or bearing; ``case``: text on the load case, added to its title."""
+        for name, one in self.cases.items():
+            yield from one._load_panels(f", case {name}")
+        groups: dict[tuple[Any, Any], list[Mapping[str, Any]]] = {}
+        for row in self.contacts:
+            groups.setdefault((row.get("set"), row["side"]), []).append(row)
+        for (set_, side), rows in groups.items():
+            at = [float(row["index"]) for row in rows]
+            low, middle, high, bare = (
+                [row[f"{key}_N"] for row in rows]
+                for key in ("quantile_0.05", "quantile_0.5", "quantile_0.95", "without_random_errors")
+            )
+            series = (
+                Series("5 to 95 % of the specimens", at, low, "band", upper_y=high),
+                Series("median", at, middle, "line", bold=True),
+                Series("without random errors", at, bare, "markers"),
+            )
+            where = f"set {set_}, {side}" if set_ is not None else str(side)
+            yield Panel(
+                f"{where}{case}", "number of the ball", "contact load / N", series, include_zero=True, integer_x=True
+            )
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

@@ -3,23 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any, cast
 
 import numpy as np
 
-from rollbench.compare.quantities import fields_from_json, name_and_unit_of_key
-from rollbench.compare.results.data import Data
+from rollbench.compare.quantities import name_and_unit_of_key, quantities_of_record, record_as_json
+from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
 from rollbench.meshes.arrays import Array, RecordWithArrays
 from rollbench.meshes.parts import FREEDOMS
 from rollbench.meshes.quantity import quantity_field, result_record
-
-if TYPE_CHECKING:
-    import pandas
+from rollbench.reports.content import Figure, Panel, Series
 
 #: Status of a row with an equilibrium.
 CONVERGED = "converged"
+
+#: Quantities that a table can have, with descriptions and the fields of a row that hold them.
+QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "stiffness": (
+        "6 x 6 tangent stiffness, and tangents of nut and load's point",
+        ("stiffness", "nut_tangent_N_per_um", "load_point_tangent_N_per_um"),
+    ),
+    "displacement": ("displacements of nut and load's point", ("nut_displacement_um", "load_point_displacement_um")),
+    "load": ("largest contact load", ("largest_load_N",)),
+    "preload": ("axial preload", ("preload_N",)),
+    "pressure": ("largest Hertz pressure", ("largest_pressure_MPa",)),
+    "life": ("life by the contact loads", ("life_million_revolutions",)),
+}
 
 #: Quantities of a table row other than the stiffness matrix, each with the field of `TableRow` that has its expected error.
 ERROR_OF = {
@@ -148,7 +159,7 @@ class Over:
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class Table(Data):
+class Table(TabularRecord):
     """Stiffness and other results of a scene for all combinations of the values of some of its parameters.
 
     Examples
@@ -168,10 +179,39 @@ class Table(Data):
     """Name of the model."""
     over: tuple[Over, ...]
     """Varied parameters with their values; the value of the last one changes fastest from row to row."""
+    quantities: tuple[str, ...]
+    """Names of the requested quantities, such as ``stiffness`` and ``life``."""
     stiffness_of: str
     """Text that names the body whose stiffness the rows contain, and the axial position at which the stiffness is taken."""
+    station: float | None
+    """Axial position on the shaft at which the stiffness is taken [m]; None: the centre of the nut or bearing, or the
+    position that the scene states."""
     rows: tuple[TableRow, ...]
     """A row for each combination of values. If there is no equilibrium, its status says why."""
+
+    def to_dict(self) -> dict[str, JSON]:
+        """Return the table as a dictionary, as ``rollbench table --json`` prints it.
+
+        Returns
+        -------
+        dict
+            JSON values by key; rows have no keys of quantities that were not requested.
+        """
+        wanted = {name for quantity in self.quantities for name in QUANTITIES[quantity][1]}
+        without = {name for _, of in QUANTITIES.values() for name in of} - wanted
+        return add_schema_version(
+            {
+                "scene": self.scene,
+                "model": self.model,
+                "over": [{"key": x.key, "column": x.column, "values": list(x.values)} for x in self.over],
+                "quantities": list(self.quantities),
+                "freedoms": list(FREEDOMS),
+                "stiffness_of": self.stiffness_of,
+                "station_mm": None if self.station is None else 1e3 * self.station,
+                "converged": self.converged,
+                "rows": [place | record_as_json(row, *without) for place, row in zip(self.places, self.rows, strict=True)],
+            }
+        )
 
     @property
     def converged(self) -> int:
@@ -198,18 +238,16 @@ class Table(Data):
         """Tangent stiffness of all rows, (n, 6, 6) [N/m, N/rad, N m/rad]; nan in rows without a stiffness."""
         return np.array([np.full((6, 6), np.nan) if x.stiffness is None else x.stiffness for x in self.rows])
 
-    def columns(self) -> dict[str, list[float | str | None]]:
-        """Return the table as lists of equal length, one for each number of a row, by the names of the JSON keys.
+    def frame_rows(self) -> Sequence[Mapping[str, Any]]:
+        """Return a row for each combination of values: the varied parameters, status, quantities and expected errors.
 
-        Returns
-        -------
-        dict
-            List of each column, by its name: values of the varied parameters, status, stiffness terms ``K_ux_ux`` to
-            ``K_rz_rz`` in N, m and rad, the other quantities, and the expected errors.
+        The stiffness has the columns ``K_ux_ux`` to ``K_rz_rz`` in N, m and rad.
         """
-        flat = [dict(_flatten_table_row(row)) for row in self.values["rows"]]  # type: ignore[arg-type, union-attr]
-        names = dict.fromkeys(name for row in flat for name in row)
-        return {name: [row.get(name) for row in flat] for name in names}
+        return [dict(_flatten_table_row(row)) for row in cast("list[dict[str, Any]]", self.to_dict()["rows"])]
+
+    def figure(self) -> Figure | None:
+        """Return the figure of each quantity over the varied parameter with most values; None without such a parameter."""
+        return _table_figure(self)
 
     def units(self) -> dict[str, str]:
         """Return the unit of each column of `columns` by its name; columns without unit are left out.
@@ -223,23 +261,6 @@ class Table(Data):
         of_key = {x.column: x.unit for x in self.over}
         found = {name: of_key.get(name, _unit_of_column(name)) for name in self.columns()}
         return {name: unit for name, unit in found.items() if unit}
-
-    def to_dataframe(self) -> pandas.DataFrame:
-        """Return the table as a pandas data frame with the columns of `columns`.
-
-        Returns
-        -------
-        pandas.DataFrame
-            A row for each combination of parameter values.
-
-        Raises
-        ------
-        ImportError
-            If pandas is not installed.
-        """
-        import pandas
-
-        return pandas.DataFrame(self.columns())
 
 
 #: Units of the forces and moments, and of the displacements and rotations, in the order of `FREEDOMS`.
@@ -273,33 +294,62 @@ def _flatten_table_row(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             yield key, value
 
 
-def table_from_json(data: Mapping[str, Any]) -> Table:
-    """Convert the JSON of ``rollbench table`` to a record.
+#: Largest number of panels of a figure.
+MOST_PANELS = 6
 
-    Parameters
-    ----------
-    data
-        JSON of the table.
 
-    Returns
-    -------
-    Table
-        The table, with numbers in SI units.
+def _table_figure(table: Table) -> Figure | None:
+    """Return a figure of each quantity over one varied key, with a curve for each combination of the other keys' values.
 
-    Raises
-    ------
-    KeyError, TypeError
-        If the JSON was written by another command.
+    The horizontal axis is the key with most values, among the keys whose values are numbers. Error bars show the errors to
+    expect, for quantities whose error is known. None if no key has at least two numeric values.
     """
-    rows = [TableRow(**fields_from_json(TableRow, row)) for row in data["rows"]]
-    return Table(
-        values={key: value for key, value in data.items() if key != "schema"},
-        scene=data["scene"],
-        model=data["model"],
-        stiffness_of=data["stiffness_of"],
-        over=tuple(Over(x["key"], x["column"], tuple(x["values"])) for x in data["over"]),
-        rows=tuple(x if x.stiffness is None else replace(x, stiffness=np.array(x.stiffness, dtype=float)) for x in rows),
-    )
+    over = [k for k, x in enumerate(table.over) if x.numbers is not None and len(x.values) > 1]
+    columns = table.columns()
+    known = [name for name in ERROR_OF if any(x is not None for x in columns.get(name, ()))]
+    names, others = known[:MOST_PANELS], known[MOST_PANELS:]
+    if not over or not names:
+        return None
+    along = max(over, key=lambda k: len(table.over[k].values))
+    rest = [x for k, x in enumerate(table.over) if k != along]
+    curves: dict[str, list[int]] = {}
+    for k, place in enumerate(table.places):
+        curves.setdefault(parameter_values_text(rest, place) if rest else "", []).append(k)
+    x = cast("list[float]", columns[table.over[along].column])
+    xlabel = " / ".join(filter(None, (table.over[along].key, table.over[along].unit)))
+    panels = []
+    for name in names:
+        one, y = quantities_of_record(TableRow)[name], cast("list[float]", columns[name])
+        series = []
+        for label, at in curves.items():
+            there = [k for k in at if y[k] is not None]
+            if there:
+                bars = _ends_of_error_bars(table, name, there)
+                series.append(Series(label, [x[k] for k in there], [y[k] for k in there], error_bars=bars))
+        same = len(series) > 1 and len({tuple(s.y) for s in series}) == 1
+        ylabel = f"{one.label} / {one.unit}" + ("\nthe same on all curves" if same else "")
+        low, high = (of(v for v in y if v is not None) for of in (min, max))
+        panels.append(Panel("", xlabel, ylabel, series, log_axes="y" if 0.0 < 20.0 * low < high else ""))
+    left = len(table.rows) - table.converged
+    missing = f" {left} of {len(table.rows)} combinations of values have no result." if left else ""
+    missing += f" Not drawn: {', '.join(quantities_of_record(TableRow)[x].label for x in others)}." if others else ""
+    title = f"{table.scene}: requested quantities over the varied keys"
+    return Figure(f"{table.scene}-table", title, tuple(panels), f"Model {table.model}.{missing}")
+
+
+def _ends_of_error_bars(table: Table, name: str, rows: Sequence[int]) -> tuple[list[float], list[float]] | None:
+    """Return the lower ends, then the upper ends of the error bars of a quantity; None if an expected error is not known.
+
+    ``name``: column of the quantity; ``rows``: indices of the table rows.
+    """
+    if ERROR_OF[name] in ("", "load_error"):
+        return None
+    errors = [getattr(table.rows[k], ERROR_OF[name]) for k in rows]
+    if None in errors:
+        return None
+    values = [cast("float", table.columns()[name][k]) for k in rows]
+    low, high = ([v * (1.0 + sign * 0.01 * e) for v, e in zip(values, errors, strict=True)] for sign in (-1.0, 1.0))
+    return low, high
 
 
 def parameter_values_text(over: Sequence[Over], row: Mapping[str, Any]) -> str:

@@ -15,8 +15,8 @@ from rollbench.compare.models.uncertainty import SHARED, largest_uncertainty_nea
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS, NOT_VARIED, SOURCE_LEVEL, SOURCE_MESH, VARIANTS
 from rollbench.compare.reference.store import MeasuringConditions, Run, load_stored_run, most_frequent_measuring_conditions
+from rollbench.compare.results.mesh_study import MeshStudy
 from rollbench.compare.sections import u_val
-from rollbench.compare.sections.curves import mesh_convergence_figure
 from rollbench.compare.sections.reference import modelling_uncertainty_by_scene, references_of_case_studies
 from rollbench.compare.studies import mesh_study
 from rollbench.lowfi.statics.result import StaticResult
@@ -279,7 +279,7 @@ def mesh_study_tables_and_figures(cache: SceneResultCache, references: Reference
         if ref is None or len(ref.runs) < 2:
             continue
         table = mesh_study.mesh_study_table_of_scene(cache.built_in_scene(name), cache.reference_folders)
-        rows = [dict(r) for r in table if "load of ball" not in r["quantity"]]
+        rows = [x.as_json() for x in table if "load of ball" not in x.name]
         columns = [
             text_column("quantity", "quantity"),
             text_column("unit", "unit"),
@@ -299,7 +299,8 @@ def mesh_study_tables_and_figures(cache: SceneResultCache, references: Reference
             mesh_study.mesh_accuracy_sentence(ref),
         )
         out.append(Table(f"mesh-study-{name}", title, columns, rows, note))
-        figure = mesh_convergence_figure(name, table, ref)
+        sizes = tuple(mesh_study.mesh_levels_of_reference(ref))
+        figure = MeshStudy(scene=name, levels=sizes, quantities=tuple(table)).figure()
         if figure is not None:
             out.append(figure)
     return out

@@ -125,6 +125,8 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         text_column("total_band", f"{interval} of the total index"),
     )
     table = Table("tolerances", "Effect of each tolerance on the largest contact load", columns, rows)
-    figures = figures_from_sweep_summary("tolerances", keys, found, short_tolerance_name)
+    figures = figures_from_sweep_summary(
+        "tolerances", keys, found["main_effects"], found["worst"], found["indices"], short_tolerance_name
+    )
     title = "Effect of each tolerance on the largest contact load in Lin's case 3"
     return Section("tolerances", title, (Text(text), table, *figures), conclusion=conclusion)

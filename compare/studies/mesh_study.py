@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,8 @@ from rollbench.compare.reference.convergence import grid_convergence, pooled_gri
 from rollbench.compare.reference.levels import ADVISED, LEVELS, VARIANTS
 from rollbench.compare.reference.store import Run, load_stored_run, measuring_conditions, shipped_store
 from rollbench.compare.reference.tasks import ReferenceTask, Solvable
-from rollbench.compare.results.comparison import error_for_unconverged_reference, scene_and_set_keys
+from rollbench.compare.results.comparison import error_for_unconverged_reference
+from rollbench.compare.results.mesh_study import MeshLevel, MeshQuantity, MeshStudy
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
@@ -101,8 +103,8 @@ def reference_from_stored_runs(
     return estimate.reference_from_runs(scene.name, scene, runs, contacts=count_nominal_contacts(scene)) if runs else None
 
 
-def mesh_level_table_rows(reference: estimate.Reference) -> list[dict[str, Any]]:
-    """Return a table row for each mesh level, coarsest first: size, time and accuracy.
+def mesh_levels_of_reference(reference: estimate.Reference) -> list[MeshLevel]:
+    """Return size, time and accuracy of each mesh level, coarsest first.
 
     Parameters
     ----------
@@ -111,22 +113,22 @@ def mesh_level_table_rows(reference: estimate.Reference) -> list[dict[str, Any]]
 
     Returns
     -------
-    list of dict
+    list of MeshLevel
         For each mesh level: ratio of the cell size to that of the finest level; number of unknowns that one mesh of all
         bodies would have; seconds for set-up and solution without cached parts, with the conditions of their measurement;
         largest difference of a contact load from the finest level, and uncertainty by `load_uncertainty_up_to_run`, each in
         % of the mean load.
     """
     return [
-        {
-            "level": run.level,
-            "cell_size": size / reference.sizes[-1],
-            "unknowns": run.unknowns,
-            "seconds": run.setup_seconds + run.solve_seconds,
-            "measured_with": str(run.measured),
-            "difference_percent": load_error(run.load, reference.load, reference.contacts).max_percent,
-            "enough_for_percent": load_uncertainty_up_to_run(reference, k),
-        }
+        MeshLevel(
+            run.level,
+            size / reference.sizes[-1],
+            run.unknowns,
+            run.setup_seconds + run.solve_seconds,
+            load_error(run.load, reference.load, reference.contacts).max_percent,
+            load_uncertainty_up_to_run(reference, k),
+            {"measured_with": str(run.measured)},
+        )
         for k, (run, size) in enumerate(zip(reference.runs, reference.sizes, strict=True))
     ]
 
@@ -149,12 +151,12 @@ def mesh_accuracy_sentence(reference: estimate.Reference) -> str:
     """
     stamps = {run.measured for run in reference.runs}
     steps, idle = list[tuple[str, float]](), list[int]()
-    for row in mesh_level_table_rows(reference):
-        good, time = row["enough_for_percent"], f" ({row['seconds']:.0f} s)" if len(stamps) == 1 else ""
+    for row in mesh_levels_of_reference(reference):
+        good, time = row.enough_for or 0.0, f" ({row.seconds:.0f} s)" if len(stamps) == 1 else ""
         if steps and good > CLEARLY * steps[-1][1]:
-            idle.append(row["level"])
+            idle.append(row.level)
             continue
-        level = f"levels up to {row['level']}" if steps else f"level {row['level']}, estimated from other scenes"
+        level = f"levels up to {row.level}" if steps else f"level {row.level}, estimated from other scenes"
         of = "" if steps else " of the mean load"
         steps.append((f"{_rounded_up_percent_text(good)} %{of} with {level}{time}", good))
     tail = f" Hardly more accurate than the level before: level {', '.join(map(str, idle))}." if idle else ""
@@ -177,8 +179,8 @@ def _rounded_up_percent_text(percent: float) -> str:
 
 def mesh_study_table_of_scene(
     scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)
-) -> list[dict[str, Any]]:
-    """Return the table of a mesh study of a scene: the value of each quantity on each mesh level, and its uncertainty.
+) -> list[MeshQuantity]:
+    """Return the quantities of a mesh study of a scene: the value of each quantity on each mesh level, and its uncertainty.
 
     Contact loads have the uncertainty of their contact on the finest level and no order of convergence, because they
     scatter from mesh to mesh. The uncertainty of a displacement follows from its order of convergence; with two levels
@@ -195,7 +197,7 @@ def mesh_study_table_of_scene(
 
     Returns
     -------
-    list of dict
+    list of MeshQuantity
         For each quantity that is not fixed at zero: value on each level, order of convergence, extrapolated value, mesh
         uncertainty, and a remark on why the order could or could not be determined. If modelling choices of the 3D
         reference were varied, also their combined effect (root of the sum of squares), and the largest change due to
@@ -213,8 +215,8 @@ def mesh_study_table_of_scene(
 
 def mesh_study_table_of_reference(
     reference: estimate.Reference, unchanged_run: Run | None, changed_runs: Mapping[str, Run]
-) -> list[dict[str, Any]]:
-    """Return the table of a mesh study from the solutions of a 3D reference (columns as in `mesh_study_table_of_scene`).
+) -> list[MeshQuantity]:
+    """Return the quantities of a mesh study from the solutions of a 3D reference, as `mesh_study_table_of_scene` does.
 
     Parameters
     ----------
@@ -225,7 +227,8 @@ def mesh_study_table_of_reference(
     changed_runs
         Runs with one modelling choice changed, by the name of the variant.
     """
-    runs, table = reference.runs, []
+    runs, table = reference.runs, list[MeshQuantity]()
+    levels = tuple(run.level for run in runs)
     shown = [(name, unit, take) for name, unit, take in mesh_study_quantities(runs[-1]) if any(take(r) for r in runs)]
     lines = [take for _, _, take in shown if take.func is _centreline_displacement]
     of_two: dict[Take, float] = {}
@@ -233,25 +236,22 @@ def mesh_study_table_of_reference(
         bars = pooled_grid_uncertainty([[take(r) for take in lines] for r in runs], reference.sizes)
         of_two = dict(zip(lines, bars.tolist(), strict=True))
     for name, unit, take in shown:
-        values = [take(r) for r in runs]
-        row: dict[str, Any] = {"quantity": name, "unit": unit}
-        row |= {f"level {r.level}": v for r, v in zip(runs, values, strict=True)}
+        values = tuple(take(r) for r in runs)
+        further, convergence = dict[str, Any](), dict[str, float | None]()
         if len(runs) >= 2:
             contact = _ball_and_flank_of_quantity(take, runs[-1])
             observed = grid_convergence(values, reference.sizes) if contact is None else None
             bar = of_two.get(take, observed.uncertainty) if observed else float(reference.uncertainty[contact])
-            row |= {
-                "order": observed and observed.credible_order,
-                "extrapolated": observed and observed.extrapolated_value,
-                "uncertainty": bar,
-                "uncertainty_percent": _percent_of(bar, values[-1]),
-                "kind": observed.kind_text if observed else SCATTERS,
-            }
+            if observed:
+                convergence = {"order": observed.credible_order, "extrapolated": observed.extrapolated_value}
+            convergence["uncertainty"] = bar
+            kind = observed.kind_text if observed else SCATTERS
+            further = {"uncertainty_percent": _percent_of(bar, values[-1]), "kind": kind}
         if unchanged_run is not None and changed_runs:
             moves = {v: abs(take(r) - take(unchanged_run)) for v, r in changed_runs.items()}
-            row["modelling_spread"] = _combined_choice_effect(moves)
-            row["scene_choices"] = max((m for v, m in moves.items() if VARIANTS[v].kind == "scene"), default=None)
-        table.append(row)
+            further["modelling_spread"] = _combined_choice_effect(moves)
+            further["scene_choices"] = max((m for v, m in moves.items() if VARIANTS[v].kind == "scene"), default=None)
+        table.append(MeshQuantity(name, unit, levels, values, **convergence, further=further))
     return table
 
 
@@ -308,8 +308,8 @@ def mesh_levels_of_study(count: int | None) -> tuple[int, ...]:
 
 def mesh_study_table_of_bearing(
     referenced: SceneWithReference, stores: Sequence[Path], levels: Sequence[int]
-) -> list[dict[str, Any]]:
-    """Return the mesh-study table of a nut or bearing: contact loads and displacements on each level of its 3D reference.
+) -> list[MeshQuantity]:
+    """Return the mesh-study quantities of a nut or bearing: loads and displacements on each level of its 3D reference.
 
     ``referenced``: nut or bearing with its 3D reference; ``stores``: folders with solutions; ``levels``: mesh levels. The
     effects of modelling choices are left out if the nut or bearing is one of several on a shaft.
@@ -392,18 +392,32 @@ def compute_references_on_levels(
     return references
 
 
-def mesh_study_rows_for_terminal(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+def mesh_study_rows_for_terminal(quantities: Sequence[MeshQuantity]) -> list[dict[str, Any]]:
     """Return a mesh-study table for the terminal, without rows of single balls, columns of percentages and remarks."""
     return [
-        {k: v for k, v in row.items() if k not in ("uncertainty_percent", "kind")}
-        for row in table
-        if "load of ball" not in row["quantity"]
+        {k: v for k, v in x.as_json().items() if k not in ("uncertainty_percent", "kind")}
+        for x in quantities
+        if "load of ball" not in x.name
     ]
+
+
+def mesh_study_of_reference(referenced: SceneWithReference, stores: Sequence[Path], levels: Sequence[int]) -> MeshStudy:
+    """Return the mesh study of a nut or bearing.
+
+    ``referenced``: nut or bearing with its 3D reference; ``stores``: folders with solutions; ``levels``: mesh levels.
+    """
+    return MeshStudy(
+        scene=referenced.described_scene_name,
+        set=referenced.set_name,
+        levels=tuple(mesh_levels_of_reference(referenced.reference)),
+        quantities=tuple(mesh_study_table_of_bearing(referenced, stores, levels)),
+        notes=(mesh_accuracy_sentence(referenced.reference),),
+    )
 
 
 def run_mesh_study(
     target: Solvable, levels: int | None, show_progress: Callable[[str], None], *, spread: bool, store: Path
-) -> tuple[dict[str, Any], str, tuple[str, ...]]:
+) -> MeshStudy:
     """Run a mesh study of one scene for `rollbench.mesh_study`.
 
     Parameters
@@ -421,24 +435,16 @@ def run_mesh_study(
 
     Returns
     -------
-    dict
-        JSON values.
-    str
-        Key, in these JSON values, of the table that is shown.
-    tuple of str
-        Text lines that are shown below the table.
+    MeshStudy
+        Mesh study of the scene, or of each nut or bearing on the shaft.
     """
     from rollbench.meshes.cache import default_cache_folder
 
     stores, wanted = (store, shipped_store()), mesh_levels_of_study(levels)
     engine = jobs.ComputingSettings(cache_folder=default_cache_folder())
     references = compute_references_on_levels([target], wanted, stores, engine, show_progress, spread=spread)
-    results = []
-    for x in references:
-        levels_of, quantities = mesh_level_table_rows(x.reference), mesh_study_table_of_bearing(x, stores, wanted)
-        found = {"scene": target.name, "levels": levels_of, "quantities": quantities}
-        results.append(found | scene_and_set_keys(x))
-    lines = tuple(mesh_accuracy_sentence(one.reference) for one in references)
+    each = [mesh_study_of_reference(x, stores, wanted) for x in references]
     if isinstance(target, Scene):
-        return results[0], "levels", lines
-    return {"scene": target.name, "sets": results}, "sets", lines
+        return each[0]
+    notes = tuple(line for one in each for line in one.notes)
+    return MeshStudy(scene=target.name, sets={one.set: replace(one, notes=()) for one in each}, notes=notes)

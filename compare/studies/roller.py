@@ -19,6 +19,7 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import run_model
 from rollbench.compare.reference import store as run_store
 from rollbench.compare.reference.convergence import Convergence, grid_convergence
+from rollbench.compare.results.mesh_study import MeshLevel, MeshQuantity, MeshStudy
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.lowfi import rollers
 from rollbench.lowfi.hertz import contact_modulus
@@ -244,8 +245,8 @@ def line_contact_pressures(row: RollerRow, line_loads: Sequence[float]) -> list[
     ]
 
 
-def roller_quantity_rows(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
-    """Return a table row for each quantity of a roller: its 3D value on every mesh level, and the errors of low-order laws.
+def roller_quantities(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) -> list[MeshQuantity]:
+    """Return each quantity of a roller: its 3D value on every mesh level, and the errors of low-order laws.
 
     Parameters
     ----------
@@ -254,24 +255,22 @@ def roller_quantity_rows(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) 
     runs
         Runs of this roller, coarsest first.
     """
-    rows = []
+    rows, levels = list[MeshQuantity](), tuple(run.level for run in runs)
 
     def add_row(name: str, unit: str, scale: float, found_in_3d: Sequence[float], **low: float) -> None:
-        """Add the row of one quantity.
+        """Add one quantity.
 
         ``name`` and ``unit``: name and unit of the quantity; ``scale``: factor from SI units to this unit;
         ``found_in_3d``: its value in each 3D solution in SI units; ``low``: values by low-order laws in SI units.
         """
-        values = [scale * value for value in found_in_3d]
-        found = roller_quantity_convergence(values, runs)
-        row: dict[str, Any] = {"quantity": name, "unit": unit}
-        row |= {f"level {run.level}": value for run, value in zip(runs, values, strict=True)}
-        row |= {"order": found.credible_order, "extrapolated": found.extrapolated_value, "uncertainty": found.uncertainty}
+        values = tuple(scale * value for value in found_in_3d)
+        found, row = roller_quantity_convergence(values, runs), dict[str, Any]()
         for key in ("low_order", "norm", "line_contact"):
             value = low.get(key)
             row[key] = None if value is None else scale * value
             row[f"{key}_error_percent"] = None if value is None else float(error_percent(scale * value, values[-1]))
-        rows.append(row)
+        observed = found.credible_order, found.extrapolated_value, found.uncertainty
+        rows.append(MeshQuantity(name, unit, levels, values, *observed, row))
 
     for k, load in enumerate(runs[-1].load):
         low = approach_and_stiffness_by_laws(roller.roller_row, load)
@@ -286,9 +285,9 @@ def roller_quantity_rows(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) 
     return rows
 
 
-def roller_rows_for_terminal(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the rows of `roller_quantity_rows` for the terminal, without the columns `HIDDEN`."""
-    return [{k: v for k, v in row.items() if k not in HIDDEN} for row in rows]
+def roller_rows_for_terminal(quantities: Sequence[MeshQuantity]) -> list[dict[str, Any]]:
+    """Return the table of `roller_quantities` for the terminal, without the columns `HIDDEN`."""
+    return [{k: v for k, v in x.as_json().items() if k not in HIDDEN} for x in quantities]
 
 
 def roller_quantity_convergence(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergence:
@@ -308,24 +307,22 @@ def approach_uncertainty_percent(runs: Sequence[RollerRun]) -> float | None:
     return None if bar is None else float(error_percent(bar, 0.0, runs[-1].approach[0]))
 
 
-def roller_mesh_level_rows(runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
-    """Return a table row for each mesh level of a roller: cells, time, force balance, and accuracy of the approach.
+def roller_mesh_levels(runs: Sequence[RollerRun]) -> list[MeshLevel]:
+    """Return each mesh level of a roller: cells, time, force balance, and accuracy of the approach.
 
     The accuracy is given as uncertainty and as difference from the finest level. ``runs``: 3D solutions of a roller,
     coarsest mesh first.
     """
     return [
-        {
-            "level": run.level,
-            "cell_size": runs[-1].across / run.across,
-            "cells": run.cells,
-            "unknowns": run.unknowns,
-            "seconds": run.seconds,
-            "cpu_seconds": run.cpu_seconds,
-            "difference_percent": float(error_percent(run.approach[0], runs[-1].approach[0])),
-            "enough_for_percent": approach_uncertainty_percent(runs[: k + 1]),
-            "imbalance_percent": 100.0 * run.imbalance,
-        }
+        MeshLevel(
+            run.level,
+            runs[-1].across / run.across,
+            run.unknowns,
+            run.seconds,
+            float(error_percent(run.approach[0], runs[-1].approach[0])),
+            approach_uncertainty_percent(runs[: k + 1]),
+            {"cells": run.cells, "cpu_seconds": run.cpu_seconds, "imbalance_percent": 100.0 * run.imbalance},
+        )
         for k, run in enumerate(runs)
     ]
 
@@ -377,31 +374,34 @@ def low_order_error_sentence(roller: RollerKindWithLoad, runs: Sequence[RollerRu
     )
 
 
-def roller_mesh_study_json(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) -> dict[str, Any]:
-    """Return the JSON values of a roller's mesh study: mesh levels, quantities, and load profiles along the roller."""
+def roller_mesh_study(scene: str, roller: RollerKindWithLoad, runs: Sequence[RollerRun]) -> MeshStudy:
+    """Return a roller's mesh study: mesh levels, quantities, and load profiles along the roller."""
     best = runs[-1]
     profile = [{"along_mm": 1e3 * x} for x in best.along]
     for k, row in enumerate(profile):
         row |= {f"line_load_{r}_N_per_mm": 1e-3 * of[k] for r, of in zip(RACES, best.line_load, strict=True)}
         row |= {f"pressure_{r}_MPa": 1e-6 * of[k] for r, of in zip(RACES, best.along_pressure, strict=True)}
-    return {
-        "set": ", ".join(roller.bearing_names),
-        "load_N": roller.largest_load,
-        "levels": roller_mesh_level_rows(runs),
-        "quantities": roller_quantity_rows(roller, runs),
-        "profile": profile,
-    }
+    return MeshStudy(
+        scene=scene,
+        set=", ".join(roller.bearing_names),
+        load=roller.largest_load,
+        levels=tuple(roller_mesh_levels(runs)),
+        quantities=tuple(roller_quantities(roller, runs)),
+        profile=tuple(profile),
+        notes=(low_order_error_sentence(roller, runs),),
+    )
 
 
 def run_roller_mesh_study(
     assembly: Assembly, levels: int | None, show_progress: Callable[[str], None], store: Path
-) -> tuple[dict[str, Any], str, tuple[str, ...]]:
+) -> MeshStudy:
     """Run the mesh study of a shaft's rollers for `rollbench.mesh_study`.
 
     ``levels``: number of mesh levels, None for all; ``show_progress``: function that is called with each line of progress;
-    ``store``: folder in which new 3D solutions are stored. Returns the JSON values, then the key of the table in them that
-    is shown, then the text lines below this table.
+    ``store``: folder in which new 3D solutions are stored. The study has an entry for
+    each kind of roller.
     """
     found = compute_runs_of_roller_kinds(assembly, levels, (store, run_store.shipped_store()), show_progress)
-    sets = [{"scene": assembly.name} | roller_mesh_study_json(one, runs) for one, runs in found]
-    return {"scene": assembly.name, "sets": sets}, "sets", tuple(low_order_error_sentence(one, runs) for one, runs in found)
+    each = [roller_mesh_study(assembly.name, one, runs) for one, runs in found]
+    notes = tuple(line for one in each for line in one.notes)
+    return MeshStudy(scene=assembly.name, sets={one.set: one for one in each}, notes=notes)

@@ -16,6 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
+from statistics import median
 from time import perf_counter, process_time
 from typing import Any
 
@@ -35,7 +36,7 @@ from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent, reference_from_runs
 from rollbench.compare.reference.store import SCHEMA, SETS, UNSAID, MeasuringConditions, measuring_conditions
 from rollbench.compare.reference.tasks import ReferenceTask, Solvable, reset_nonstatic_fields
-from rollbench.compare.results.base import add_schema_version
+from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
 from rollbench.compare.running import usable_cores
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import survey
@@ -181,9 +182,89 @@ def judge_model_on_random_screw(model: str, number: int, limit: float = LIMIT) -
     }
 
 
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Survey(TabularRecord):
+    """Errors of models against stored runs of the 3D reference, on randomly drawn ball screws of catalogue dimensions.
+
+    The error of a model on one screw is that of its worst contact load [% of the mean contact load].
+    """
+
+    screws: int
+    """Number of randomly drawn screws for which a run of the 3D reference is stored."""
+    of: int
+    """Number of randomly drawn screws that were asked for."""
+    max_error: float
+    """Largest error that passes [% of the mean contact load]."""
+    judged: tuple[str, ...]
+    """Names of the models that were solved; results of the others are stored ones."""
+    rows: Mapping[str, Sequence[Row]]
+    """Results of a model for every screw, by the model's name, in the units that the keys end with. ``status`` is
+    "converged", or the reason why the screw was not solved."""
+
+    @property
+    def median(self) -> dict[str, float]:
+        """Median of a model's errors on the screws that it solved [%], by the model's name."""
+        return {name: median(sizes) for name, sizes in self._errors().items()}
+
+    @property
+    def largest(self) -> dict[str, float]:
+        """Largest of a model's errors on the screws that it solved [%], by the model's name."""
+        return {name: max(sizes) for name, sizes in self._errors().items()}
+
+    def _errors(self) -> dict[str, list[float]]:
+        """Return the errors on the solved screws [%], by the name of each model that solved one."""
+        each = {name: [r for r in rows if r["status"] == survey.ANSWERED] for name, rows in self.rows.items()}
+        return {name: [float(r["largest_percent"]) for r in rows] for name, rows in each.items() if rows}
+
+    @property
+    def summary(self) -> list[Row]:
+        """Rows with median, 95th percentile and maximum of each kind of error of each model, see `ERRORS`."""
+        return [line for name, of in self.rows.items() for line in error_summary_rows_of_model(name, of)]
+
+    @property
+    def verdicts(self) -> dict[str, dict[str, int]]:
+        """Number of screws with each verdict, by the name of the judged model."""
+        return {name: dict(Counter(r["verdict"] for r in self.rows[name] if "verdict" in r)) for name in self.judged}
+
+    @property
+    def without_answer(self) -> dict[str, int]:
+        """Number of screws without result, by the name of the judged model."""
+        return {name: sum(r["status"] != survey.ANSWERED for r in self.rows[name]) for name in self.judged}
+
+    def to_dict(self) -> dict[str, JSON]:
+        """Return the survey as a dictionary, as ``rollbench survey --json`` prints it.
+
+        Returns
+        -------
+        dict
+            JSON values by key: summary of the errors, numbers of screws within and beyond the limit, and all rows.
+        """
+        data: dict[str, Any] = {"seed": survey.SEED, "level": survey.LEVEL, "screws": self.screws, "of": self.of}
+        data |= {"max_error_percent": self.max_error, "summary": self.summary, "verdicts": self.verdicts}
+        return add_schema_version(data | {"without_answer": self.without_answer, "models": dict(self.rows)})
+
+    def frame_rows(self) -> Sequence[Mapping[str, Any]]:
+        """Return a row for each model and screw."""
+        return [{"model": model_title(name)} | dict(row) for name, rows in self.rows.items() for row in rows]
+
+    def figure(self) -> Figure | None:
+        """Return the figure of the errors of all models on the screws; None if no judged model solved a screw."""
+        return figure_of_errors_on_random_screws(self.rows) if self.judged[0] in self._errors() else None
+
+    @property
+    def _shown_path(self) -> str:
+        """Key of the part of the JSON that the table shows."""
+        return "summary"
+
+    @property
+    def _notes(self) -> tuple[str, ...]:
+        """Sentence below the table: how many screws have a reference."""
+        return (f"{self.screws} of {self.of} random screws have a stored reference, on level {survey.LEVEL}",)
+
+
 def compare_models_on_random_screws(
     models: Sequence[str], count: int, workers: int | None, limit: float, show_progress: Callable[[str], None]
-) -> dict[str, Any]:
+) -> Survey:
     """Compare models with the 3D reference on the first ``count`` random screws.
 
     For the models lin and refined, unless they are among ``models``, the errors stored in the package are added.
@@ -203,8 +284,8 @@ def compare_models_on_random_screws(
 
     Returns
     -------
-    dict
-        JSON values: summary of the errors, numbers of screws within and beyond the error limit, and errors on each screw.
+    Survey
+        Errors of each model on each screw.
 
     Raises
     ------
@@ -231,19 +312,7 @@ def compare_models_on_random_screws(
         for name in survey.MODELS
         if name not in models
     }
-    everything = rows | record
-    data = {
-        "seed": survey.SEED,
-        "level": survey.LEVEL,
-        "screws": len(numbers),
-        "of": count,
-        "max_error_percent": limit,
-        "summary": [line for name, of in everything.items() for line in error_summary_rows_of_model(name, of)],
-        "verdicts": {name: dict(Counter(r["verdict"] for r in of if "verdict" in r)) for name, of in rows.items()},
-        "without_answer": {name: sum(r["status"] != survey.ANSWERED for r in of) for name, of in rows.items()},
-        "models": everything,
-    }
-    return add_schema_version(data)
+    return Survey(screws=len(numbers), of=count, max_error=limit, judged=tuple(models), rows=rows | record)
 
 
 def _judge_model_on_screws(
@@ -315,14 +384,14 @@ def median_errors_by_screw_kind(models: Mapping[str, Sequence[Row]]) -> list[Row
     return out
 
 
-def figure_of_errors_on_random_screws(data: Mapping[str, Any]) -> Figure:
+def figure_of_errors_on_random_screws(rows_by_model: Mapping[str, Sequence[Row]]) -> Figure:
     """Return a figure of the errors of models on randomly drawn screws.
 
     One panel shows the fraction of screws whose error is below a value, the other the error on every screw; screws are
-    sorted by the error of the first model. ``data``: JSON values of `compare_models_on_random_screws`.
+    sorted by the error of the first model. ``rows_by_model``: results of each model, as the field ``rows`` of `Survey`.
     """
     solved = survey.ANSWERED
-    models = {model_title(name): [r for r in rows if r["status"] == solved] for name, rows in data["models"].items()}
+    models = {model_title(name): [r for r in rows if r["status"] == solved] for name, rows in rows_by_model.items()}
     lines, points = [], []
     main = next(iter(models))
     order = [r["screw"] for r in sorted(models[main], key=lambda r: float(r["largest_percent"]))]
@@ -344,7 +413,7 @@ def figure_of_errors_on_random_screws(data: Mapping[str, Any]) -> Figure:
         Panel("largest error on each screw", f"screws, sorted by the error of {main}", label, points, log_axes="y"),
     )
     title = f"Errors of the model {main} on {len(models[main])} randomly drawn ball screws"
-    caption = f"Errors against mesh level {data['level']} of the 3D reference; errors of refined and lin are stored ones."
+    caption = f"Errors against mesh level {survey.LEVEL} of the 3D reference; errors of refined and lin are stored ones."
     return Figure("survey", title, panels, caption, columns=1, size=(4.0, 6.4))
 
 

@@ -20,11 +20,10 @@ from rollbench.compare.models.answers import TANGENT_OF, results_of_contact_load
 from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.model_form import estimate_model_error
 from rollbench.compare.models.registry import AXIS_MODELS, ModelOptions, default_model_name, model_by_name, run_model
-from rollbench.compare.models.stiffness import stiffness_of_scene
-from rollbench.compare.quantities import record_as_json
+from rollbench.compare.models.stiffness import SceneStiffness, stiffness_of_scene
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import ComputingSettings, run_jobs_in_fastest_way
-from rollbench.compare.results.table import CONVERGED, Over, Table, TableRow, table_from_json
+from rollbench.compare.results.table import CONVERGED, QUANTITIES, Over, Table, TableRow
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables
 from rollbench.compare.studies.sweep import keys as sweep_keys
 from rollbench.compare.studies.sweep import sample
@@ -34,21 +33,9 @@ from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.lowfi.statics.tangent import TangentStiffness
 from rollbench.meshes import units
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.parts import FREEDOMS, Scene
+from rollbench.meshes.parts import Scene
 from rollbench.meshes.units import split_quantity_text
 
-#: Quantities that a table can have, with descriptions and the fields of a row that hold them.
-QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {
-    "stiffness": (
-        "6 x 6 tangent stiffness, and tangents of nut and load's point",
-        ("stiffness", "nut_tangent_N_per_um", "load_point_tangent_N_per_um"),
-    ),
-    "displacement": ("displacements of nut and load's point", ("nut_displacement_um", "load_point_displacement_um")),
-    "load": ("largest contact load", ("largest_load_N",)),
-    "preload": ("axial preload", ("preload_N",)),
-    "pressure": ("largest Hertz pressure", ("largest_pressure_MPa",)),
-    "life": ("life by the contact loads", ("life_million_revolutions",)),
-}
 #: Quantities of a table unless others are requested.
 USUAL = ("stiffness", "preload", "pressure", "life")
 
@@ -229,17 +216,20 @@ def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableRequest) ->
     pressure = None
     if "pressure" in request.quantities:
         pressure = max(_largest_pressure_of_each_bearing(scene, result), default=None)
-    stiffness: tuple[float | None, float | None, float | None, float | None] = None, None, None, None
+    points: SceneStiffness | None = None
     if {"stiffness", "displacement"} & set(request.quantities):
         options = ModelOptions()
         bare = run_model(with_scaled_loads(scene, 0.0), request.model, options)
         points = stiffness_of_scene(scene, result, bare, request.model, options)
         if points.load_point.along != "z":  # compared along the axis only
             errors |= {"displacement_error": None, "rigidity_error": None}
-        stiffness = points.nut.tangent, points.load_point.tangent, points.nut.displacement, points.load_point.displacement
-    preload, life = (found.get(name) for name in ("preload_N", "life_million_revolutions"))
-    load = found.get("largest_load_N") if "load" in request.quantities else None
-    return TableRow(status, matrix, *stiffness, load, preload, pressure, life, **errors)
+    both = () if points is None else (points.nut, points.load_point)
+    tangent_of_nut, tangent_of_load = [x.tangent for x in both if "stiffness" in request.quantities] or [None, None]
+    moved_nut, moved_load = [x.displacement for x in both if "displacement" in request.quantities] or [None, None]
+    kept = ("largest_load_N", "preload_N", "life_million_revolutions")
+    load, preload, life = (found.get(name) if name in names else None for name in kept)
+    of_points = tangent_of_nut, tangent_of_load, moved_nut, moved_load
+    return TableRow(status, matrix, *of_points, load, preload, pressure, life, **errors)
 
 
 def _largest_pressure_of_each_bearing(scene: Scene | Assembly, result: StaticResult | AxisResult) -> Iterator[float]:
@@ -300,26 +290,13 @@ def solve_table(request: SceneTableRequest, engine: ComputingSettings, show_prog
     for number, row in run_jobs_in_fastest_way(tasks, engine, "places", show_progress):
         rows[number] = row
         show_progress(f"[{len(rows)}/{len(places)}] {', '.join(map(str, places[number])) or 'as it stands'}: {row.status}")
-    return table_from_json(_table_as_json(request, [rows[k] for k in range(len(places))]))
-
-
-def _table_as_json(request: SceneTableRequest, rows: Sequence[TableRow]) -> dict[str, Any]:
-    """Return a table as the JSON values that ``rollbench table`` prints; quantities that were not requested have no key.
-
-    ``request``: checked request; ``rows``: rows in the order of the combinations of the keys' values.
-    """
-    names = {name for quantity in request.quantities for name in QUANTITIES[quantity][1]}
-    without = {name for _, of in QUANTITIES.values() for name in of} - names
-    places = product(*(x.values for x in request.key_columns))
-    heads = [dict(zip([x.column for x in request.key_columns], place, strict=True)) for place in places]
-    return {
-        "scene": request.scene_name,
-        "model": request.model,
-        "over": [{"key": x.key, "column": x.column, "values": list(x.values)} for x in request.key_columns],
-        "quantities": list(request.quantities),
-        "freedoms": list(FREEDOMS),
-        "stiffness_of": request.stiffness_body_text,
-        "station_mm": 1e3 * request.stiffness_position if isinstance(request.stiffness_position, float) else None,
-        "converged": sum(row.converged for row in rows),
-        "rows": [head | (record_as_json(row, *without) or {}) for head, row in zip(heads, rows, strict=True)],
-    }
+    station = request.stiffness_position
+    return Table(
+        scene=request.scene_name,
+        model=request.model,
+        over=request.key_columns,
+        quantities=request.quantities,
+        stiffness_of=request.stiffness_body_text,
+        station=station if isinstance(station, float) else None,
+        rows=tuple(rows[k] for k in range(len(places))),
+    )

@@ -9,29 +9,21 @@ from __future__ import annotations
 
 import json
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, one_line
 from rollbench.compare.files import replace_file, replaced_file, write_csv
-from rollbench.compare.quantities import count_with_noun, quantities_of_record
-from rollbench.compare.results.table import (
-    ERROR_OF,
-    FORCE_UNITS,
-    FREEDOM_UNITS,
-    Table,
-    TableRow,
-    parameter_values_text,
-    table_from_json,
-)
+from rollbench.compare.quantities import count_with_noun, fields_from_json
+from rollbench.compare.results.table import FORCE_UNITS, FREEDOM_UNITS, Over, Table, TableRow, parameter_values_text
 from rollbench.compare.scenes.scene_file import read_scene_text
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.libraries import pip_command, reason_of_failed_import
 from rollbench.meshes.parts import FREEDOMS
-from rollbench.reports.content import Figure, Panel, Series
 
 #: File formats by suffix, with the package that each needs.
 FORMATS = {".csv": "", ".json": "", ".parquet": "pyarrow", ".nc": "xarray"}
@@ -110,63 +102,41 @@ def _netcdf_dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
     return xarray.Dataset(data, coords, {"scene": table.scene, "model": table.model})
 
 
-def table_figure(table: Table) -> Figure | None:
-    """Return a figure of each quantity over one varied key, with a curve for each combination of the other keys' values.
+def _table_from_json(data: Mapping[str, Any]) -> Table:
+    """Convert the JSON of ``rollbench table`` to a record.
 
-    The horizontal axis is the key with most values, among the keys whose values are numbers. Error bars show the errors to
-    expect, for quantities whose error is known. None if no key has at least two numeric values.
+    Parameters
+    ----------
+    data
+        JSON of the table.
+
+    Returns
+    -------
+    Table
+        The table, with numbers in SI units.
+
+    Raises
+    ------
+    KeyError, TypeError
+        If the JSON was written by another command.
     """
-    over = [k for k, x in enumerate(table.over) if x.numbers is not None and len(x.values) > 1]
-    columns = table.columns()
-    names = [name for name in ERROR_OF if any(x is not None for x in columns.get(name, ()))]
-    if not over or not names:
-        return None
-    along = max(over, key=lambda k: len(table.over[k].values))
-    rest = [x for k, x in enumerate(table.over) if k != along]
-    curves: dict[str, list[int]] = {}
-    for k, place in enumerate(table.places):
-        curves.setdefault(parameter_values_text(rest, place) if rest else "", []).append(k)
-    x = cast("list[float]", columns[table.over[along].column])
-    xlabel = " / ".join(filter(None, (table.over[along].key, table.over[along].unit)))
-    panels = []
-    for name in names:
-        one, y = quantities_of_record(TableRow)[name], cast("list[float]", columns[name])
-        series = []
-        for label, at in curves.items():
-            known = [k for k in at if y[k] is not None]
-            if known:
-                bars = _ends_of_error_bars(table, name, known)
-                series.append(Series(label, [x[k] for k in known], [y[k] for k in known], error_bars=bars))
-        same = len(series) > 1 and len({tuple(s.y) for s in series}) == 1
-        ylabel = f"{one.label} / {one.unit}" + ("\nthe same on all curves" if same else "")
-        low, high = (of(v for v in y if v is not None) for of in (min, max))
-        panels.append(Panel("", xlabel, ylabel, series, log_axes="y" if 0.0 < 20.0 * low < high else ""))
-    left = len(table.rows) - table.converged
-    missing = f" {left} of {len(table.rows)} combinations of values have no result." if left else ""
-    title = f"{table.scene}: requested quantities over the varied keys"
-    return Figure(f"{table.scene}-table", title, tuple(panels), f"Model {table.model}.{missing}")
-
-
-def _ends_of_error_bars(table: Table, name: str, rows: Sequence[int]) -> tuple[list[float], list[float]] | None:
-    """Return the lower ends, then the upper ends of the error bars of a quantity; None if an expected error is not known.
-
-    ``name``: column of the quantity; ``rows``: indices of the table rows.
-    """
-    if ERROR_OF[name] in ("", "load_error"):
-        return None
-    errors = [getattr(table.rows[k], ERROR_OF[name]) for k in rows]
-    if None in errors:
-        return None
-    values = [cast("float", table.columns()[name][k]) for k in rows]
-    low, high = ([v * (1.0 + sign * 0.01 * e) for v, e in zip(values, errors, strict=True)] for sign in (-1.0, 1.0))
-    return low, high
+    rows = [TableRow(**fields_from_json(TableRow, row)) for row in data["rows"]]
+    return Table(
+        scene=data["scene"],
+        model=data["model"],
+        quantities=tuple(data["quantities"]),
+        stiffness_of=data["stiffness_of"],
+        station=None if data["station_mm"] is None else data["station_mm"] / 1e3,
+        over=tuple(Over(x["key"], x["column"], tuple(x["values"])) for x in data["over"]),
+        rows=tuple(x if x.stiffness is None else replace(x, stiffness=np.array(x.stiffness, dtype=float)) for x in rows),
+    )
 
 
 def read_table_file(path: str) -> Table:
     """Read a table from a JSON file that ``rollbench table`` wrote; InputError for another file."""
     text = read_scene_text(path)
     try:
-        return table_from_json(json.loads(text))
+        return _table_from_json(json.loads(text))
     except (KeyError, TypeError, ValueError, AttributeError):
         allowed = "a JSON file that rollbench table wrote"
         raise InputError(path, "file", "other content", allowed, "write the table by --out FILE.json") from None

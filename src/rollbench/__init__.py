@@ -44,12 +44,15 @@ if TYPE_CHECKING:
     from rollbench.compare.models.user_models import ModelAnswer
     from rollbench.compare.report.report import report
     from rollbench.compare.results.comparison import Comparison
-    from rollbench.compare.results.data import Ensemble, Friction, MeshStudy, Survey, Sweep
+    from rollbench.compare.results.data import Ensemble, Friction
     from rollbench.compare.results.load_curve import LoadCurve
+    from rollbench.compare.results.mesh_study import MeshStudy
     from rollbench.compare.results.side_by_side import SideBySide
     from rollbench.compare.results.solved import Result, Status
     from rollbench.compare.results.table import Table
     from rollbench.compare.results.verdict import Verdict
+    from rollbench.compare.studies.survey_models import Survey
+    from rollbench.compare.studies.sweep.run import Sweep
     from rollbench.meshes.parts import Scene
 
 __all__ = [
@@ -98,7 +101,10 @@ _ELSEWHERE = {
     "SideBySide": "rollbench.compare.results.side_by_side",
     "report": "rollbench.compare.report.report",
     "__version__": "rollbench.compare",
-    **dict.fromkeys(("Ensemble", "Friction", "MeshStudy", "Survey", "Sweep"), "rollbench.compare.results.data"),
+    **dict.fromkeys(("Ensemble", "Friction"), "rollbench.compare.results.data"),
+    "MeshStudy": "rollbench.compare.results.mesh_study",
+    "Survey": "rollbench.compare.studies.survey_models",
+    "Sweep": "rollbench.compare.studies.sweep.run",
     **dict.fromkeys(("Result", "Status"), "rollbench.compare.results.solved"),
     "Judgement": "rollbench.compare.gate.verdict",
     "Verdict": "rollbench.compare.results.verdict",

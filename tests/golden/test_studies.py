@@ -71,7 +71,10 @@ def grids():
 
 def mesh_studies():
     return [
-        [mesh_study.mesh_level_table_rows(stored(name)), mesh_study.mesh_study_table_of_scene(scene_of(name), None)]
+        [
+            [x.as_json() for x in mesh_study.mesh_levels_of_reference(stored(name))],
+            [x.as_json() for x in mesh_study.mesh_study_table_of_scene(scene_of(name), None)],
+        ]
         for name in STUDY.stored_references(NAMES)
     ]
 

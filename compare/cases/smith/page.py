@@ -292,19 +292,18 @@ def tapered_roller_table_and_figure(cache: SceneResultCache) -> tuple[Table | Fi
     if not runs:
         return ()
     rows: list[Row] = []
-    for one in rollers.roller_quantity_rows(roller, runs):
-        row: Row = {"quantity": f"{one['quantity']}, {one['unit']}"}
-        for run in runs:
-            heading = f"value in 3D, mesh level {run.level}"
-            row[TableColumn(f"level_{run.level}", heading, "", ".4g")] = one[f"level {run.level}"]
-        row |= {TableColumn("uncertainty", "uncertainty of the 3D value by the mesh", "", ".2g"): one["uncertainty"]}
+    for one in rollers.roller_quantities(roller, runs):
+        row: Row = {"quantity": f"{one.name}, {one.unit}"}
+        for level, value in zip(one.levels, one.values, strict=True):
+            row[TableColumn(f"level_{level}", f"value in 3D, mesh level {level}", "", ".4g")] = value
+        row |= {TableColumn("uncertainty", "uncertainty of the 3D value by the mesh", "", ".2g"): one.uncertainty}
         for key, words in (
             ("low_order", "slices of the roller"),
             ("norm", "the spring law of ISO/TS 16281"),
             ("line_contact", "Hertz line contact"),
         ):
-            row[TableColumn(key, f"value by {words}", "", ".4g")] = one[key]
-            heading, error = f"error of the value by {words} against 3D", one[f"{key}_error_percent"]
+            row[TableColumn(key, f"value by {words}", "", ".4g")] = one.further[key]
+            heading, error = f"error of the value by {words} against 3D", one.further[f"{key}_error_percent"]
             row[TableColumn(f"{key}_error", heading, "%", ".2f")] = error
         rows.append(row)
     best = runs[-1]

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import csv
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +26,7 @@ from rollbench.compare.models.registry import ModelOptions, default_model_name, 
 from rollbench.compare.quantities import json_number
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import ComputingSettings, run_jobs_in_fastest_way
+from rollbench.compare.results.data import Ensemble, Statistics, output_statistics
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import scenes_to_solve
 from rollbench.compare.studies.members import ensemble
@@ -39,9 +40,6 @@ BLOCK, LEAST = 500, 50
 #: Number of bins of the histogram of a contact load, and upper end of the histogram over the largest contact load of the
 #: scene without random errors.
 BINS, END = 2000, 10.0
-
-#: Levels of the quantiles of an output.
-LEVELS = (0.01, 0.05, 0.5, 0.95, 0.99)
 
 #: Largest number of specimens.
 MOST = 10_000_000
@@ -248,57 +246,23 @@ def _solve_blocks_of_random_draws(
             following += 1
 
 
-def _binomial_quantile(probability: float, trials: int, chance: float) -> int:
-    """Return a quantile of a binomial distribution: the smallest number of successes whose cumulative probability suffices.
-
-    ``probability``: cumulative probability that it must at least have; ``trials``: number of trials; ``chance``:
-    probability of success of each trial. Probabilities are summed within about fifteen standard deviations of the mean;
-    scipy.special has such a function, too, but takes long to import.
-    """
-    mean, reach = trials * chance, 15.0 * (1.0 + np.sqrt(trials * chance * (1.0 - chance)))
-    first = max(0, int(mean - reach))
-    k = np.arange(first, min(trials, int(mean + reach)))
-    grown = np.append(0.0, np.cumsum(np.log((trials - k) / (k + 1.0) * chance / (1.0 - chance))))
-    below = np.cumsum(np.exp(grown - grown.max()))
-    return first + int(np.searchsorted(below, (1.0 - 1e-12) * probability * below[-1]))  # less the round-off of the sum
-
-
-def output_statistics_with_intervals(values: Array) -> dict[str, Any] | None:
-    """Return mean, standard deviation, extremes and quantiles of an output over random draws, with their sampling errors.
-
-    Parameters
-    ----------
-    values
-        Values of one output, (M,); values that are not finite are left out.
-
-    Returns
-    -------
-    dict or None
-        Mean with standard error, standard deviation, smallest and largest value, and quantiles with 95 % intervals, as JSON
-        values; None with fewer than two values.
-    """
-    y = np.sort(values[np.isfinite(values)])
-    if y.size < 2:
-        return None
-    sd = float(y.std(ddof=1))
-    out: dict[str, Any] = {"members": int(y.size), "mean": float(y.mean()), "standard_error": sd / float(np.sqrt(y.size))}
-    out |= {"standard_deviation": sd, "smallest": float(y[0]), "largest": float(y[-1]), "quantiles": []}
-    for level in LEVELS:
-        low, high = (_binomial_quantile(p, y.size, level) for p in (0.025, 0.975))
-        ends = float(y[max(low - 1, 0)]), float(y[min(high, y.size - 1)])
-        out["quantiles"].append({"level": level, "value": float(np.quantile(y, level)), "low": ends[0], "high": ends[1]})
-    return out
-
-
-def ensemble_json(scene: Described, summaries: Sequence[EnsembleSummary], load_case_names: Sequence[str]) -> dict[str, Any]:
-    """Return the results of many random draws as JSON values, with an entry for each load case if there are several.
+def ensemble_of_load_cases(
+    scene: Described, summaries: Sequence[EnsembleSummary], load_case_names: Sequence[str]
+) -> Ensemble:
+    """Return the statistics of many random draws, with those of each load case if there are several.
 
     ``scene``: scene or duty cycle; ``summaries``: results for each load case; ``load_case_names``: names of the load cases,
     empty for a scene without load cases.
     """
-    data = [ensemble_statistics_json(batch) for batch in summaries]
-    by_case = [{"case": case} | x for case, x in zip(load_case_names, data, strict=True)] if load_case_names else []
-    return {"scene": scene.name, "cases": by_case} if load_case_names else data[0]
+    each = [_ensemble_of_summary(batch) for batch in summaries]
+    if not load_case_names:
+        return each[0]
+    return Ensemble(
+        scene=scene.name,
+        members=min(one.members for one in each),
+        converged=min(one.converged for one in each),
+        cases=dict(zip(load_case_names, each, strict=True)),
+    )
 
 
 def solve_random_draws_of_load_cases(
@@ -362,19 +326,18 @@ def _csv_row_writer(path: Path | None, names: Sequence[str]) -> Iterator[Callabl
         unfinished.unlink(missing_ok=True)
 
 
-def ensemble_statistics_json(summary: EnsembleSummary) -> dict[str, Any]:
-    """Return the results of many random draws as JSON values: output statistics, failures, distributions of contact loads.
+def _ensemble_of_summary(summary: EnsembleSummary) -> Ensemble:
+    """Return the statistics of many random draws: of the outputs, and of the contact loads, with the failures.
 
-    For a shaft, the statistics of each nut or bearing are in "sets", and rows of "balls" begin with the number of the nut
-    or bearing.
+    For a shaft, rows of contacts begin with the number of the nut or bearing.
     """
     scene, kept = summary.scene, summary.outputs
-    counts: dict[str, Any] = {"members": len(kept), "converged": len(kept) - len(summary.status_of_failed_draws)}
-    counts["failed"] = [{"member": m, "status": s} for m, s in sorted(summary.status_of_failed_draws.items())]
     rows = _contact_load_rows_by_ball(summary.load_distributions)
+    sets: dict[str, dict[str, Statistics | None]] = {}
     if isinstance(scene, Assembly):
         seed: Any = [s.parts.errors.seed if isinstance(s.parts, Scene) else None for s in scene.sets]
-        counts["sets"] = _output_statistics_by_bearing(summary, scene)
+        by_set = np.split(kept[:, len(ensemble.WHOLE) :], len(scene.sets), axis=1)
+        sets = {s.name: _statistics_of_columns(ensemble.OF_SET, of) for s, of in zip(scene.sets, by_set, strict=True)}
         balls = [
             {"set": i + 1, **x, "index": x["index"] - place.start}
             for i, place in enumerate(summary.ball_slices)
@@ -384,19 +347,24 @@ def ensemble_statistics_json(summary: EnsembleSummary) -> dict[str, Any]:
         ]
     else:
         seed, balls = scene.errors.seed, [x for one in rows for x in one]
-    names = ensemble.WHOLE if isinstance(scene, Assembly) else ensemble.KEPT
-    sums = {key: output_statistics_with_intervals(kept[:, k]) for k, key in enumerate(names)}
-    head = {"scene": scene.name, "model": summary.model, "seed": seed, **counts, "statistics": sums}
-    return {**head, "band_resolution_N": json_number(summary.load_distributions.width), "balls": balls}
+    return Ensemble(
+        scene=scene.name,
+        model=summary.model,
+        seed=seed,
+        seconds=summary.seconds,
+        members=len(kept),
+        converged=len(kept) - len(summary.status_of_failed_draws),
+        outputs=_statistics_of_columns(ensemble.WHOLE if isinstance(scene, Assembly) else ensemble.KEPT, kept),
+        failed=summary.status_of_failed_draws,
+        sets=sets,
+        contacts=tuple(balls),
+        band_resolution=json_number(summary.load_distributions.width),
+    )
 
 
-def _output_statistics_by_bearing(summary: EnsembleSummary, assembly: Assembly) -> list[dict[str, Any]]:
-    """Return for each nut or bearing on a shaft the statistics of its outputs over many random draws, as JSON values."""
-    by_set, rows = np.split(summary.outputs[:, len(ensemble.WHOLE) :], len(assembly.sets), axis=1), []
-    for i, (s, kept) in enumerate(zip(assembly.sets, by_set, strict=True)):
-        sums = {key: output_statistics_with_intervals(kept[:, k]) for k, key in enumerate(ensemble.OF_SET)}
-        rows.append({"set": i + 1, "name": s.name, "statistics": sums})
-    return rows
+def _statistics_of_columns(names: Iterable[str], outputs: Array) -> dict[str, Statistics | None]:
+    """Return the statistics of outputs by their names; ``outputs``: a column for each name, (M, at least k)."""
+    return {name: output_statistics(np.sort(outputs[:, k]), intervals=True) for k, name in enumerate(names)}
 
 
 def _contact_load_rows_by_ball(loads: LoadDistributions) -> list[list[dict[str, Any]]]:

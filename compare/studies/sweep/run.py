@@ -25,6 +25,8 @@ from rollbench.compare.models import user_models
 from rollbench.compare.models.registry import AXIS_MODELS, DEFAULT, MODELS, default_model_name, model_by_name
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import ComputingSettings, run_jobs_in_fastest_way
+from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
+from rollbench.compare.results.data import Statistics, output_statistics, statistics_as_json, statistics_rows
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables
 from rollbench.compare.scenes.scene_file import hash_of_scene_text
 from rollbench.compare.studies.sweep import keys as sweep_keys
@@ -171,9 +173,8 @@ def _check_first_samples_are_accepted(sweep: SweepDefinition, coordinates: Array
     raise SceneNotCoveredError(sweep.origin, "vary", given, "vary other keys, or other ranges")
 
 
-#: Number of listed samples with the largest contact loads, number of parts of a range for main effects, and levels of the
-#: quantiles.
-WORST, BINS, LEVELS = 10, 8, (0.01, 0.05, 0.5, 0.95, 0.99)
+#: Number of listed samples with the largest contact loads, and number of parts of a range for main effects.
+WORST, BINS = 10, 8
 
 #: Number of resamples for confidence intervals, level of these intervals, and smallest number of base points for Sobol
 #: indices.
@@ -183,10 +184,77 @@ RESAMPLES, CONFIDENCE, LEAST = 200, 0.95, 8
 CONSTANT = 1e-9
 
 
-def sweep_summary_json(sweep: SweepDefinition, records: Mapping[int, sample.Record]) -> dict[str, Any]:
-    """Return the summary of a sweep as JSON values: counts, failures, statistics, main effects and Sobol indices.
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Sweep(TabularRecord):
+    """Statistics of a scene's results over sampled values of its parameters."""
 
-    ``records``: records of the samples by sample number. Failed samples are counted by reason, with one example each.
+    design: SweepDefinition
+    """Scene, varied parameters, design of the samples and model."""
+    folder: Path
+    """Folder with every sample (``samples.csv``) and the summary."""
+    solved: int
+    """Number of samples."""
+    converged: int
+    """Number of samples with an equilibrium."""
+    failures: tuple[tuple[str, int], ...]
+    """Reasons why samples have no equilibrium or were refused, each with the number of samples; the most frequent first."""
+    outputs: Mapping[str, Statistics | None]
+    """Statistics of each output, by its name; None if fewer than two samples have a value."""
+    main_effects: Mapping[str, list[dict[str, float]]]
+    """For each varied key the mean largest contact load [N] in groups of samples, see `main_effects`."""
+    worst: tuple[sample.Record, ...]
+    """Samples with the largest contact loads, the largest first."""
+    indices: Mapping[str, Any]
+    """Sobol indices with confidence intervals of each output, or the reason for none, see `sobol_indices_by_output`."""
+
+    @property
+    def sobol(self) -> dict[str, dict[str, float]]:
+        """Total Sobol index [1], by the name of the output and the key of the parameter.
+
+        Outputs that do not vary are left out; empty if the samples are no Sobol design, or too few.
+        """
+        each = self.indices.get("outputs", {}).items()
+        return {name: {key: x["total"] for key, x in of.items()} for name, of in each if of is not None}
+
+    def to_dict(self) -> dict[str, JSON]:
+        """Return the sweep as a dictionary, as ``rollbench sweep --json`` prints it and ``summary.json`` holds it.
+
+        Returns
+        -------
+        dict
+            JSON values by key.
+        """
+        data: dict[str, Any] = {k: v for k, v in self.design.header().items() if k != "text"}
+        data |= {"scene_hash": hash_of_scene_text(self.design.text), "solved": self.solved, "converged": self.converged}
+        data["failures"] = [{"reason": reason, "samples": count} for reason, count in self.failures]
+        data |= {"outputs": statistics_as_json(self.outputs), "main_effects": dict(self.main_effects)}
+        return add_schema_version(data | {"worst": list(self.worst), "indices": dict(self.indices)})
+
+    def frame_rows(self) -> Sequence[Mapping[str, Any]]:
+        """Return a row for each statistic, with a column for each output."""
+        return statistics_rows(self.outputs)
+
+    def figure(self) -> Figure | None:
+        """Return the figure of the mean largest contact load over each varied parameter; None without samples."""
+        if self.converged < 2:
+            return None
+        return figures_from_sweep_summary("sweep", self.design.keys, self.main_effects, self.worst, self.indices)[0]
+
+    @property
+    def _shown_path(self) -> str:
+        """Key of the part of the JSON that the table shows."""
+        return "outputs"
+
+    @property
+    def _notes(self) -> tuple[str, ...]:
+        """Sentence below the table: how many samples converged, and where they are."""
+        return (f"{self.converged} of {self.solved} samples converged: {self.folder}",)
+
+
+def sweep_summary(sweep: SweepDefinition, records: Mapping[int, sample.Record], folder: Path) -> Sweep:
+    """Return the summary of a sweep: counts, failures, statistics, main effects and Sobol indices.
+
+    ``records``: records of the samples by sample number; ``folder``: their folder.
     """
     rows = [records[n] for n in sorted(records)]
     good = converged_records(records)
@@ -194,17 +262,17 @@ def sweep_summary_json(sweep: SweepDefinition, records: Mapping[int, sample.Reco
     for row in rows:
         if row["status"] != sample.CONVERGED:
             failures.setdefault(str(row.get("reason", row["status"])), []).append(row["status"])
-    return {
-        **{k: v for k, v in sweep.header().items() if k != "text"},
-        "scene_hash": hash_of_scene_text(sweep.text),
-        "solved": len(rows),
-        "converged": len(good),
-        "failures": [{"reason": of[0], "samples": len(of)} for of in sorted(failures.values(), key=len, reverse=True)],
-        "outputs": {name: output_statistics(output_values(good, name)) for name in sweep.wanted_outputs},
-        "main_effects": main_effects(sweep.keys, good),
-        "worst": sorted(good, key=lambda row: -row[sample.MAIN])[:WORST],
-        "indices": sobol_indices_by_output(sweep, records),
-    }
+    return Sweep(
+        design=sweep,
+        folder=folder,
+        solved=len(rows),
+        converged=len(good),
+        failures=tuple((of[0], len(of)) for of in sorted(failures.values(), key=len, reverse=True)),
+        outputs={name: output_statistics(output_values(good, name)) for name in sweep.wanted_outputs},
+        main_effects=main_effects(sweep.keys, good),
+        worst=tuple(sorted(good, key=lambda row: -row[sample.MAIN])[:WORST]),
+        indices=sobol_indices_by_output(sweep, records),
+    )
 
 
 def converged_records(records: Mapping[int, sample.Record]) -> list[sample.Record]:
@@ -227,21 +295,6 @@ def key_values_as_numbers(keys: Sequence[sweep_keys.VariedKey], records: Sequenc
     """
     found = [[vary.as_number(v) for vary, v in zip(keys, row["values"], strict=True)] for row in records]
     return np.array(found, dtype=float).reshape(len(records), len(keys))
-
-
-def output_statistics(values: Array) -> dict[str, float] | None:
-    """Return mean with standard error, standard deviation, extremes and quantiles of an output.
-
-    ``values``: the output in k samples, (k,); those that are not finite are left out. None with fewer than two finite
-    values.
-    """
-    y = values[np.isfinite(values)]
-    if y.size < 2:
-        return None
-    sd = float(y.std(ddof=1))
-    found = {"mean": float(y.mean()), "standard_error": sd / float(np.sqrt(y.size)), "standard_deviation": sd}
-    found |= {"smallest": float(y.min()), "largest": float(y.max())}
-    return found | {f"quantile_{level:g}": float(np.quantile(y, level)) for level in LEVELS}
 
 
 def main_effects(keys: Sequence[sweep_keys.VariedKey], rows: Sequence[sample.Record]) -> dict[str, list[dict[str, float]]]:
@@ -349,50 +402,53 @@ SEED = "errors.seed"
 LOAD = sample.OUTPUTS[sample.MAIN]
 
 
-def sweep_figures(
-    name: str, keys: Sequence[sweep_keys.VariedKey], summary: Mapping[str, Any], rows: Sequence[sample.Record]
-) -> list[Figure]:
+def sweep_figures(found: Sweep, rows: Sequence[sample.Record]) -> list[Figure]:
     """Return the figures of a sweep; the list is empty with fewer than two converged samples.
 
-    ``name``: start of the figures' names; ``summary``: summary of the sweep from `sweep_summary_json`; ``rows``: records of
-    the converged samples.
+    ``rows``: records of the converged samples.
     """
     if len(rows) < 2:
         return []
-    shown, left = _keys_with_largest_effect(keys, summary)
-    return [*figures_from_sweep_summary(name, keys, summary), _sample_scatter_figure(name, keys, shown, rows, left)]
+    name, keys = "sweep", found.design.keys
+    shown, left = _keys_with_largest_effect(keys, found.main_effects)
+    figures = figures_from_sweep_summary(name, keys, found.main_effects, found.worst, found.indices)
+    return [*figures, _sample_scatter_figure(name, keys, shown, rows, left)]
 
 
 def figures_from_sweep_summary(
     name: str,
     keys: Sequence[sweep_keys.VariedKey],
-    summary: Mapping[str, Any],
+    effects: Mapping[str, Sequence[Mapping[str, float]]],
+    worst: Sequence[sample.Record],
+    indices: Mapping[str, Any],
     short_name: Callable[[sweep_keys.VariedKey], str] = lambda vary: vary.short_name,
 ) -> list[Figure]:
     """Return the figures of a sweep that need only the summary of the sweep, not the records of its samples.
 
-    ``name``: start of the figures' names; ``summary``: summary of the sweep from `sweep_summary_json`; ``short_name``:
+    ``name``: start of the figures' names; ``effects``, ``worst``, ``indices``: as the fields of `Sweep`; ``short_name``:
     function that returns the short name of a key.
     """
-    shown, left = _keys_with_largest_effect(keys, summary)
+    shown, left = _keys_with_largest_effect(keys, effects)
     figures = [
-        _main_effects_figure(name, [keys[k] for k in shown], summary, left, short_name),
-        _worst_samples_figure(name, keys, summary["worst"], short_name),
+        _main_effects_figure(name, [keys[k] for k in shown], effects, left, short_name),
+        _worst_samples_figure(name, keys, worst, short_name),
     ]
-    indices = _sobol_indices_figure(name, keys, summary["indices"], short_name)
-    return figures if indices is None else [*figures, indices]
+    shares = _sobol_indices_figure(name, keys, indices, short_name)
+    return figures if shares is None else [*figures, shares]
 
 
-def _keys_with_largest_effect(keys: Sequence[sweep_keys.VariedKey], summary: Mapping[str, Any]) -> tuple[list[int], str]:
+def _keys_with_largest_effect(
+    keys: Sequence[sweep_keys.VariedKey], effects: Mapping[str, Sequence[Mapping[str, float]]]
+) -> tuple[list[int], str]:
     """Return the indices of the varied keys with the largest effects on the largest load, then a sentence on left-out keys.
 
     The effect is the difference between the largest and the smallest mean load over the parts of the key's range.
 
     At most `PANELS` keys are returned, as many as a figure has panels. A seed of random errors is left out, because an
-    output has no trend over it. ``summary``: summary of the sweep from `sweep_summary_json`.
+    output has no trend over it. ``effects``: main effects of the sweep.
     """
     ordered = _indices_of_keys_without_seed(keys)
-    means = [[group["mean"] for group in summary["main_effects"][vary.key]] for vary in keys]
+    means = [[group["mean"] for group in effects[vary.key]] for vary in keys]
     shown = sorted(ordered, key=lambda k: min(means[k]) - max(means[k]))[:PANELS]
     left = f" Shown are the {PANELS} inputs with the largest effects, of {len(ordered)} varied inputs."
     return shown, left if len(shown) < len(ordered) else ""
@@ -409,19 +465,19 @@ def _indices_of_keys_without_seed(keys: Sequence[sweep_keys.VariedKey]) -> list[
 def _main_effects_figure(
     figure_name: str,
     keys: Sequence[sweep_keys.VariedKey],
-    summary: Mapping[str, Any],
+    effects: Mapping[str, Sequence[Mapping[str, float]]],
     left_out_sentence: str,
     short_name: Callable[[sweep_keys.VariedKey], str],
 ) -> Figure:
     """Return a figure of the mean of the largest contact load over each varied key, with the standard error of the mean.
 
-    ``figure_name``: start of the figure's name; ``keys``: varied keys to show; ``summary``: summary of the sweep;
+    ``figure_name``: start of the figure's name; ``keys``: varied keys to show; ``effects``: main effects of the sweep;
     ``left_out_sentence``: sentence on keys that are left out, empty if there are none; ``short_name``: function that
     returns the short name of a key.
     """
     panels = []
     for vary in keys:
-        groups = summary["main_effects"][vary.key]
+        groups = effects[vary.key]
         at, mean = [g["at"] for g in groups], [g["mean"] for g in groups]
         low, high = ([g["mean"] + sign * g["standard_error"] for g in groups] for sign in (-1.0, 1.0))
         series = Series("mean", at, mean, "line+markers", error_bars=(low, high))
@@ -544,7 +600,7 @@ def sweep_definition(
 
 def solve_sweep(
     sweep: SweepDefinition, out: Path, engine: ComputingSettings, show_progress: Callable[[str], None]
-) -> dict[str, Any]:
+) -> Sweep:
     """Solve the missing samples of a sweep, write samples.csv, summary.json and the figures, and return the summary.
 
     ``out``: folder of the sweep; ``engine``: number of processes, or cluster, that solve the samples; ``show_progress``:
@@ -552,11 +608,13 @@ def solve_sweep(
     raises it.
     """
     records = solve_missing_samples(sweep, out, engine, show_progress)
-    found = sweep_summary_json(sweep, records)
+    found = sweep_summary(sweep, records, out)
     with written_together():
         replace_file(out / "samples.csv", samples_csv(sweep, records))
-        replace_file(out / "summary.json", json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
-        for figure in sweep_figures("sweep", sweep.keys, found, converged_records(records)):
+        replace_file(
+            out / "summary.json", json.dumps(found.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+        )
+        for figure in sweep_figures(found, converged_records(records)):
             write_figure(out / f"{figure.name}.svg", figure)
     return found
 

@@ -75,9 +75,9 @@ def test_displacements_of_the_advised_levels_are_held_too() -> None:
         if {*ADVISED, 4} <= set(loads):
             table_of = partial(mesh_study_table_of_scene, STUDY.built_in_scene(name), STUDY.reference_folders)
             advised, finer = table_of(ADVISED), table_of((4,))
-            limits = {row["quantity"]: row["level 4"] for row in finer}
-            lines = [row for row in advised if row["quantity"].startswith("centreline") and row["quantity"] in limits]
-            held += [abs(row["level 3"] - limits[row["quantity"]]) <= row["uncertainty"] for row in lines]
+            limits = {x.name: x.values[-1] for x in finer}
+            lines = [x for x in advised if x.name.startswith("centreline") and x.name in limits]
+            held += [abs(x.values[-1] - limits[x.name]) <= x.uncertainty for x in lines]
     assert len(held) > 60
     assert 0.93 <= np.mean(held) <= 0.99
 

@@ -17,6 +17,7 @@ from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.models.stiffness import stiffness_of_scene
 from rollbench.compare.reference.jobs import ComputingSettings
+from rollbench.compare.results.data import output_statistics
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.catalogue import shipped_scene_text
 from rollbench.compare.studies.members import ensemble, members
@@ -100,9 +101,10 @@ def test_intervals_of_quantiles_cover():
     rng = np.random.default_rng(3)
     hits = 0
     for _ in range(300):
-        quantile = members.output_statistics_with_intervals(rng.normal(size=200))["quantiles"][3]
-        assert quantile["low"] <= quantile["value"] <= quantile["high"]
-        hits += quantile["low"] <= norm.ppf(0.95) <= quantile["high"]
+        found = output_statistics(rng.normal(size=200), intervals=True)
+        low, high = found.intervals[0.95]
+        assert low <= found.quantiles[0.95] <= high
+        hits += low <= norm.ppf(0.95) <= high
     assert hits >= binom.ppf(0.001, 300, 0.95)
 
 

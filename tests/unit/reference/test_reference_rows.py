@@ -112,7 +112,7 @@ def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
 def test_the_largest_and_smallest_loads_are_those_of_each_level(name: str, sides: tuple[str, ...]) -> None:
     """The largest has the uncertainty of its contact, also where levels find it at unlike balls: the contact of the
     finest level is what is told."""
-    table = {row["quantity"]: row for row in mesh_study_table_of_scene(catalogue.scene(name), None)}
+    table = {x.name: x.as_json() for x in mesh_study_table_of_scene(catalogue.scene(name), None)}
     assert tuple(side for side in SIDES if f"largest load, {side}" in table) == sides
     for side in sides:
         of_side = [r for q, r in table.items() if q.startswith("load of ball") and q.endswith(side)]
@@ -132,7 +132,7 @@ def test_a_mesh_study_adds_varied_choices_by_the_root_of_squares(tmp_path) -> No
         load = np.full((32, 4), 100.0)
         load[2, 0] += move
         store.save_run(tmp_path, CASE1, run_of("lin-case1", 1, load, variant))
-    table = {row["quantity"]: row for row in mesh_study_table_of_scene(CASE1, [tmp_path], (1,))}
+    table = {x.name: x.as_json() for x in mesh_study_table_of_scene(CASE1, [tmp_path], (1,))}
     for ball, spread in ((3, (13.0, 7.0)), (4, (0.0, 0.0))):
         row = table[f"load of ball {ball}, SL"]
         assert (row["modelling_spread"], row["scene_choices"]) == pytest.approx(spread, rel=1e-6, abs=0.0)
@@ -158,7 +158,7 @@ def test_two_levels_give_parts_and_one_experience(tmp_path) -> None:
     assert two.parts.uncertainty == pytest.approx(bar, rel=0.003)
     assert two.uncertainty[5, 3] == pytest.approx(0.01 * two.parts.uncertainty * finer[finer > 0.0].mean(), rel=1e-3)
     assert two.uncertainty[0, 0] / two.uncertainty[5, 3] == pytest.approx(1.08 ** (1.0 / 3.0), rel=1e-3)
-    quantities = [row["quantity"] for row in mesh_study_table_of_scene(CASE1, (tmp_path,))]
+    quantities = [x.name for x in mesh_study_table_of_scene(CASE1, (tmp_path,))]
     assert not [one for one in quantities if " SR" in one or " NL" in one]
 
 

@@ -53,7 +53,7 @@ def test_shipped_runs_meet_line_contact_and_settle(kind, shipped):
         hertz = roller.line_contact_pressures(kind.roller_row, run.middle_line_load[0])
         assert run.middle_pressure == pytest.approx(hertz, rel=0.01)
         assert run.imbalance < 1e-4
-    rows = {row["quantity"]: row for row in roller.roller_quantity_rows(kind, shipped)}
+    rows = {x.name: x.as_json() for x in roller.roller_quantities(kind, shipped)}
     for name in ("approach", "stiffness"):
         row = rows[f"{name} under {kind.largest_load:.4g} N"]
         assert row["uncertainty"] < 0.01 * row["level 3"]

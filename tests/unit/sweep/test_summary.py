@@ -1,8 +1,11 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from rollbench.compare.results.data import output_statistics
 from rollbench.compare.studies.sweep import keys, run, sample
-from rollbench.compare.studies.sweep.run import main_effects, output_statistics, sobol_indices_by_output, sweep_summary_json
+from rollbench.compare.studies.sweep.run import main_effects, sobol_indices_by_output, sweep_summary
 from rollbench.compare.studies.sweep.sample import MAIN
 
 KEYS = keys.read_varied_keys([f"{name}={-np.pi!r}:{np.pi!r}" for name in "abc"])
@@ -62,16 +65,16 @@ def test_indices_are_the_same_every_time_and_leave_out_base_points_with_a_failed
     samples[128 + 5] = {"sample": 133, "values": samples[133]["values"], "status": "refused: x"}
     found = sobol_indices_by_output(what, samples)
     assert (found["base_points"], found["of"]) == (64, 128)
-    text = sweep_summary_json(what, samples)
-    assert (text["solved"], text["converged"]) == (640, 639)
-    assert text["failures"] == [{"reason": "refused: x", "samples": 1}]
+    summary = sweep_summary(what, samples, Path())
+    assert (summary.solved, summary.converged) == (640, 639)
+    assert summary.failures == (("refused: x", 1),)
 
 
 def test_other_designs_say_that_they_give_no_indices_and_worst_samples_come_first():
     what = sweep(50, "lhs")
     samples = records(what, ishigami)
     assert "sobol" in sobol_indices_by_output(what, samples)["none"]
-    worst = sweep_summary_json(what, samples)["worst"]
+    worst = sweep_summary(what, samples, Path()).worst
     assert len(worst) == 10
     assert [row[MAIN] for row in worst] == sorted((row[MAIN] for row in samples.values()), reverse=True)[:10]
 
@@ -89,7 +92,7 @@ def test_main_effect_of_a_linear_function():
 
 def test_statistics_of_known_values():
     found = output_statistics(np.arange(101.0))
-    assert (found["mean"], found["quantile_0.95"]) == (50.0, 95.0)
-    assert found["standard_deviation"] == pytest.approx(np.sqrt(101 * 102 / 12))
-    assert found["standard_error"] == pytest.approx(found["standard_deviation"] / np.sqrt(101))
+    assert (found.mean, found.quantiles[0.95]) == (50.0, 95.0)
+    assert found.standard_deviation == pytest.approx(np.sqrt(101 * 102 / 12))
+    assert found.standard_error == pytest.approx(found.standard_deviation / np.sqrt(101))
     assert output_statistics(np.array([1.0, np.nan])) is None
