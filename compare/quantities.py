@@ -35,6 +35,7 @@ UNITS = {
     "Nmm": Unit("N mm", 1e3),
     "Nm": Unit("N m"),
     "rad_s": Unit("rad/s"),
+    "mm_s": Unit("mm/s", 1e3),
     "mm_rpm": Unit("mm rpm", 3e4 / math.pi),
     "rpm": Unit("rpm", 30.0 / math.pi),
     "percent": Unit("%"),

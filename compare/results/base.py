@@ -328,7 +328,8 @@ class TabularRecord(Record):
         Returns
         -------
         pandas.DataFrame
-            The frame; its ``attrs["units"]`` are the units of the columns by their names, see `units`.
+            The frame; its ``attrs["units"]`` are the units of the columns by their names, see `units`, and its
+            ``attrs["values"]`` the single numbers and texts of `to_dict`, by their keys joined by dots.
 
         Raises
         ------
@@ -338,7 +339,7 @@ class TabularRecord(Record):
         import pandas
 
         frame = pandas.DataFrame(self.columns())
-        frame.attrs["units"] = self.units()
+        frame.attrs |= {"units": self.units(), "values": dict(_single_values(self.to_dict()))}
         return frame
 
     def plot(self) -> Figure:
@@ -377,6 +378,15 @@ def warn_of_deprecation(former_name: str, replacement: str) -> None:
         Expression that replaces it.
     """
     warnings.warn(f"{former_name} will be removed in the next version: use {replacement}", DeprecationWarning, stacklevel=3)
+
+
+def _single_values(data: Mapping[str, JSON], path: str = "") -> Iterator[tuple[str, JSON]]:
+    """Yield path and value of every number and text in nested JSON objects, but not those inside lists."""
+    for key, value in data.items():
+        if isinstance(value, dict):
+            yield from _single_values(value, f"{path}{key}.")
+        elif not isinstance(value, list):
+            yield f"{path}{key}", value
 
 
 def _flatten_json_values(value: JSON, name: str, list_name: str = "") -> Iterator[tuple[str, JSON, str]]:

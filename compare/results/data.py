@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from rollbench.compare.quantities import fields_from_json, record_as_json
+from rollbench.compare.quantities import fields_from_json, name_and_unit_of_key, record_as_json
 from rollbench.compare.results.base import JSON, Record, TabularRecord, add_schema_version
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
@@ -166,7 +167,7 @@ class FrictionCases:
 
 
 @result_record(eq=False, repr=False, kw_only=True)
-class Friction(Data):
+class Friction(Data, TabularRecord):
     """Friction in a scene: motion of the balls, power losses [W], torques [N m] and efficiencies [1].
 
     A field is None if the quantity does not exist for this kind of scene, or if no motion was found in which the contact
@@ -311,6 +312,71 @@ class Friction(Data):
     """Friction in each load case, by name; empty without load cases."""
     together: FrictionCases | None = None
     """Largest and mean friction torque over all load cases; None without load cases."""
+
+    def frame_rows(self) -> Sequence[Mapping[str, Any]]:
+        """Return a row for every ball, of each load case; without results for balls a row of the torques.
+
+        Values on the four flanks have columns such as ``loss_mW_SL``, vectors such as ``rotation_rad_s_1``.
+        """
+        if self.cases:
+            return [{"case": name} | dict(row) for name, one in self.cases.items() for row in one.frame_rows()]
+        if self.balls:
+            return [dict(_flat_columns(record_as_json(ball))) for ball in self.balls]
+        return [{f"{name}_Nmm": 1e3 * value for name, value in self._torques().items()}]
+
+    def units(self) -> dict[str, str]:
+        """Return the unit of each column of `columns` by its name; columns without unit are left out.
+
+        Returns
+        -------
+        dict
+            Unit of each column, such as "mW", by the column's name.
+        """
+        bare = {name: re.sub(r"(_(SL|SR|NL|NR))?(_\d)?$", "", name) for name in self.columns()}
+        found = {name: name_and_unit_of_key(key)[1] for name, key in bare.items()}
+        return {name: unit.text for name, unit in found.items() if unit is not None}
+
+    def figure(self) -> Figure | None:
+        """Return the figure of the power lost by each ball on each flank, a panel a load case; else of the torques."""
+        panels = [panel for panel in (one._loss_panel(name) for name, one in (self.cases or {"": self}).items()) if panel]
+        if panels:
+            return Figure("friction", f"{self.scene}: friction of each ball", panels[:6])
+        torques = self._torques()
+        if not torques:
+            return None
+        at = [float(k) for k in range(1, len(torques) + 1)]
+        bars = Series("torque", [1e3 * value for value in torques.values()], at, "bars")
+        names = [name.replace("_", " ") for name in torques]
+        panel = Panel("torques", "torque / N mm", "", (bars,), include_zero=True, ordinate_names=names)
+        return Figure("friction", f"{self.scene}: torques of friction", (panel,))
+
+    def _torques(self) -> dict[str, float]:
+        """Return the torques [N m] that are known, by the name of the field."""
+        names = ("torque", "reverse_torque", "drag_torque", "forward_torque", "backward_torque", "driving_torque_on_screw")
+        return {name: value for name in names if (value := getattr(self, name)) is not None}
+
+    def _loss_panel(self, case: str) -> Panel | None:
+        """Return the panel of the power lost by each ball on each flank; None without. ``case``: name of the load case."""
+        balls = [(ball.index, ball.loss) for ball in self.balls if ball.loss is not None]
+        sides = dict.fromkeys(side for _, loss in balls for side in loss)
+        series = []
+        for side in sides:
+            y = [1e3 * (loss.get(side) or 0.0) for _, loss in balls]
+            if any(y):
+                series.append(Series(side, [float(index) for index, _ in balls], y))
+        title = f"case {case}" if case else "power lost on each flank"
+        return Panel(title, "number of the ball", "power lost / mW", series, integer_x=True) if series else None
+
+
+def _flat_columns(row: Mapping[str, Any], start: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield name and value of each column of a JSON row, whose objects and lists have a column for each entry."""
+    for key, value in row.items():
+        if isinstance(value, Mapping):
+            yield from _flat_columns(value, f"{start}{key}_")
+        elif isinstance(value, list):
+            yield from _flat_columns({str(k): x for k, x in enumerate(value, 1)}, f"{start}{key}_")
+        elif value is not None:
+            yield f"{start}{key}", value
 
 
 def friction_record_from_json(data: Mapping[str, Any]) -> Friction:

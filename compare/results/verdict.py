@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from rollbench.compare.gate.publish import row_for_load_chart, worst_ball_figure
 from rollbench.compare.gate.user import GateRequest, check_scenes
 from rollbench.compare.gate.verdict import (
     CODES,
@@ -17,9 +18,10 @@ from rollbench.compare.gate.verdict import (
 )
 from rollbench.compare.models.comparison import RULE
 from rollbench.compare.reference.jobs import ComputingSettings
-from rollbench.compare.results.base import JSON, Record, add_schema_version
+from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
 from rollbench.compare.scenes.duty_cycle import Described, load_cases_by_scene_name
 from rollbench.compare.scenes.scene_file import scenes_to_solve
+from rollbench.reports.content import Figure
 
 #: Advice to the user for each judgement that is not "pass".
 ADVICE = {
@@ -31,7 +33,7 @@ ADVICE = {
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Verdict(Record):
+class Verdict(TabularRecord):
     """Judgement of contact loads and other quantities of scenes against their reference, with a row for each quantity.
 
     A verdict is true if all rows pass, and false if one fails, is undecided or is not covered.
@@ -92,6 +94,15 @@ class Verdict(Record):
         """
         rest: dict[str, Any] = {"warnings": list(self.warnings), "not_judged": list(self.not_judged)}
         return add_schema_version(verdicts_json(self.described, self.rows) | rest)
+
+    def frame_rows(self) -> Sequence[Mapping[str, Any]]:
+        """Return a row for each judged quantity; mesh levels are a text such as "1, 3"."""
+        return [v.as_json() | {"levels": ", ".join(map(str, v.levels))} for v in self.rows]
+
+    def figure(self) -> Figure | None:
+        """Return the figure of judged and reference loads around the worst contact; None if no contact load was judged."""
+        shown = row_for_load_chart(self.rows)
+        return None if shown is None else worst_ball_figure(shown)
 
     headings = ("verdict", "scene", "model or file", "quantity", "error", "uncertainty", "limit", "note")
 

@@ -1,0 +1,123 @@
+"""Every number of an answer is read from its field: where the field changes, JSON and data frame show the change."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rollbench.compare.gate.verdict import Judgement, VerdictRow
+from rollbench.compare.measure import LoadError
+from rollbench.compare.results.base import TabularRecord
+from rollbench.compare.results.data import Ensemble, Statistics
+from rollbench.compare.results.mesh_study import MeshLevel, MeshQuantity, MeshStudy
+from rollbench.compare.results.table import Over, Table, TableRow
+from rollbench.compare.results.verdict import Verdict
+from rollbench.compare.studies.survey_models import Survey
+from rollbench.compare.studies.sweep.keys import read_varied_keys
+from rollbench.compare.studies.sweep.run import Sweep, SweepDefinition
+
+OF_LOADS = LoadError(5.0, 2.0, 6.0, 3.0, 4, "SL", 5.5)
+ROWS = (
+    VerdictRow("a", "lin", "load", Judgement.PASS, 5.0, 0.1, 7.0, 4, "SL", (1, 3), 8, "", OF_LOADS),
+    VerdictRow("a", "lin", "angle", Judgement.FAIL, 2.0, 0.1, 1.0, unit="deg", pair=("angle_deg", 45.0, 43.0)),
+)
+OVER = (Over("load", "load_kN", (1.0, 2.0)),)
+QUANTITIES = ("stiffness", "displacement", "load", "preload", "pressure", "life")
+ROW = TableRow("converged", np.eye(6), *(float(k) for k in range(1, 14)), "")
+STATISTICS = Statistics(
+    members=5, mean=1.0, standard_error=2.0, standard_deviation=3.0, smallest=4.0, largest=5.0, quantiles={0.5: 6.0}
+)
+WITH_INTERVALS = replace(STATISTICS, intervals={0.5: (7.0, 8.0)})
+SAMPLES = SweepDefinition("", "a.toml", read_varied_keys(["nut.length=1 mm:2 mm"]), 8)
+CONTACT = {"index": 1, "side": "SL", "mean_N": 2.0}
+LEVEL = MeshLevel(1, 2.0, 3, 4.0, 5.0, 6.0, {"cells": 7.0})
+QUANTITY = MeshQuantity("largest load, SL", "N", (1, 3), (8.0, 9.0), 1.0, 2.0, 3.0, {"uncertainty_percent": 4.0})
+SCREW = {"screw": 3, "status": "converged", "largest_percent": 5.0, "rms_percent": 6.0, "verdict": "pass"}
+
+ANSWERS = (
+    Verdict(ROWS, (), (), ()),
+    Table(
+        scene="a",
+        model="lin",
+        over=OVER,
+        quantities=QUANTITIES,
+        stiffness_of="nut",
+        station=0.1,
+        rows=(ROW, replace(ROW, load=3.0)),
+    ),
+    Sweep(
+        design=SAMPLES,
+        folder=Path(),
+        solved=8,
+        converged=7,
+        failures=(("refused", 1),),
+        outputs={"largest_load_N": replace(STATISTICS, members=None)},
+        main_effects={"nut.length": [{"at": 1.0, "mean": 2.0}]},
+        worst=({"sample": 1, "largest_load_N": 4.0},),
+        indices={"outputs": {"largest_load_N": {"nut.length": {"total": 0.5}}}},
+    ),
+    Ensemble(
+        scene="a",
+        model="lin",
+        seed=1,
+        members=5,
+        converged=4,
+        outputs={"largest_load_N": WITH_INTERVALS},
+        sets={"nut": {"mean_load_N": WITH_INTERVALS}},
+        contacts=(CONTACT,),
+        band_resolution=9.0,
+    ),
+    MeshStudy(scene="a", levels=(LEVEL, replace(LEVEL, level=3)), quantities=(QUANTITY,)),
+    MeshStudy(scene="a", set="x", load=3.0, levels=(LEVEL,), quantities=(QUANTITY,), profile=({"along_mm": 1.0},)),
+    Survey(screws=2, of=3, max_error=7.0, judged=("lin",), rows={"lin": [SCREW]}),
+)
+
+#: Numbers that JSON leaves to others: largest and smallest error for other scales, keys with their text, computing time.
+ELSEWHERE = ("of_mean.own", "of_mean.ball", "of_mean.gate", "design.keys", "seconds", "levels[0].seconds")
+#: Numbers that a frame has neither as a cell nor among its values: lists beside the rows.
+BESIDE = ("levels", "profile", "main_effects", "worst", "failures", "contacts", "design")
+
+
+def changes(value: object, path: str = "") -> Iterator[tuple[str, object]]:
+    """The value with one number changed, for every number in it, with the number's path."""
+    if isinstance(value, bool) or value is None:
+        return
+    if isinstance(value, int | float):
+        yield path, value + 1
+    elif isinstance(value, np.ndarray):
+        yield path, value + 1.0
+    elif isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from ((at, {**value, key: new}) for at, new in changes(inner, f"{path}[{key}]"))
+    elif isinstance(value, tuple | list) and not isinstance(value, str):
+        for k, inner in enumerate(value):
+            yield from ((at, type(value)([*value[:k], new, *value[k + 1 :]])) for at, new in changes(inner, f"{path}[{k}]"))
+    elif is_dataclass(value) and not isinstance(value, type):
+        for field in fields(value):
+            each = changes(getattr(value, field.name), f"{path}.{field.name}".removeprefix("."))
+            yield from ((at, replace(value, **{field.name: new})) for at, new in each)
+
+
+@pytest.mark.parametrize("answer", ANSWERS, ids=lambda x: type(x).__name__)
+def test_every_changed_number_is_shown(answer: TabularRecord) -> None:
+    pandas = pytest.importorskip("pandas")
+    before, frame = answer.to_dict(), answer.to_dataframe()
+    found = [(path, changed) for path, changed in changes(answer) if not any(x in path for x in ELSEWHERE)]
+    assert len(found) > 4
+    for path, changed in found:
+        assert changed.to_dict() != before, path
+        if not path.startswith(BESIDE):
+            after = changed.to_dataframe()
+            same = frame.attrs == after.attrs and frame.shape == after.shape and frame.equals(after)
+            assert not same, path
+            assert isinstance(after, pandas.DataFrame)
+
+
+@pytest.mark.parametrize("answer", ANSWERS, ids=lambda x: type(x).__name__)
+def test_frames_state_their_units(answer: TabularRecord) -> None:
+    pytest.importorskip("pandas")
+    frame = answer.to_dataframe()
+    assert set(frame.attrs["units"]) <= set(frame.columns)
+    assert "" not in frame.attrs["units"].values()
