@@ -631,46 +631,60 @@ class Scene:
     """One load case of one ball screw or bearing, in SI units; the input of every model."""
 
     #: Name of the scene.
-    name: str
-    title: ranges.Sentence = scene_key(TITLE, "Screw under 5 kN")
-    track: Track = scene_key("path of the ball centres")
-    screw: Screw = scene_key("screw shaft, or inner ring")
-    nut: Nut = scene_key("nut, or outer ring")
-    balls: Balls = scene_key("size, number and positions of the balls")
-    source: ranges.Words = frozen_default("", SOURCE, "Lin 2019, 2.4.1.1")
-    assumed: ranges.Sentences = frozen_default((), ASSUMED, ["The nut is rigid."])
+    name: str = scene_key(static=False)
+    title: ranges.Sentence = scene_key(TITLE, "Screw under 5 kN", static=False)
+    track: Track = scene_key("path of the ball centres", static=True)
+    screw: Screw = scene_key("screw shaft, or inner ring", static=True)
+    nut: Nut = scene_key("nut, or outer ring", static=True)
+    balls: Balls = scene_key("size, number and positions of the balls", static=True)
+    source: ranges.Words = frozen_default("", SOURCE, "Lin 2019, 2.4.1.1", static=False)
+    assumed: ranges.Sentences = frozen_default((), ASSUMED, ["The nut is rigid."], static=False)
     role: Literal["", "referenced", "unseen, changed parts", "unseen, catalogue size"] = frozen_default(
         "",
         "role in the validation report of a scene that is included in rollbench: case study with a 3D reference, "
         "or scene that was not used when the models were developed",
         "referenced",
         compare=False,
+        static=False,
     )
-    members: ranges.Members = frozen_default(1, "number of specimens, each with its own random errors", 200)
-    errors: Errors = frozen_default(Errors(), "manufacturing errors of balls and grooves", {"seed": 0})
-    supports: tuple[Support, ...] = frozen_default((), "supports of the screw", [{"at": "0 mm", "fix": ["ux", "uy"]}])
-    loads: Loads = frozen_default((), "loads on the screw", LOADED)
-    ingredients: Ingredients = frozen_default(Ingredients(), "options of the low-order models", {"screw": "rigid"})
+    members: ranges.Members = frozen_default(1, "number of specimens, each with its own random errors", 200, static=False)
+    errors: Errors = frozen_default(Errors(), "manufacturing errors of balls and grooves", {"seed": 0}, static=True)
+    supports: tuple[Support, ...] = frozen_default(
+        (), "supports of the screw", [{"at": "0 mm", "fix": ["ux", "uy"]}], static=True
+    )
+    loads: Loads = frozen_default((), "loads on the screw", LOADED, static=True)
+    ingredients: Ingredients = frozen_default(
+        Ingredients(), "options of the low-order models", {"screw": "rigid"}, static=True
+    )
     calibration: Calibration = frozen_default(
-        Calibration(), "values fitted to a measured or published result of this screw", {"segment_stiffness": "258 kN/um"}
+        Calibration(),
+        "values fitted to a measured or published result of this screw",
+        {"segment_stiffness": "258 kN/um"},
+        static=False,
     )
-    solid: Solid = frozen_default(Solid(), "inputs of the 3D reference only", {"nut_groove": "through"})
-    friction: Friction | None = frozen_default(None, "friction of balls and grooves", {"coefficient": 0.1})
-    motion: Motion | None = frozen_default(None, "part that rotates, and its angular speed", {"speed": "600 rpm"})
+    solid: Solid = frozen_default(Solid(), "inputs of the 3D reference only", {"nut_groove": "through"}, static=True)
+    friction: Friction | None = frozen_default(None, "friction of balls and grooves", {"coefficient": 0.1}, static=False)
+    motion: Motion | None = frozen_default(
+        None, "part that rotates, and its angular speed", {"speed": "600 rpm"}, static=False
+    )
     lubricant: Lubricant | None = frozen_default(
-        None, "lubricant, for torques that depend on speed", {"viscosity": "27 mm2/s"}
+        None, "lubricant, for torques that depend on speed", {"viscosity": "27 mm2/s"}, static=True
     )
     circulation: Circulation | None = frozen_default(
-        None, "number of ball circuits, and how far the balls fill them", {"returning": 4, "filling": 0.8}
+        None, "number of ball circuits, and how far the balls fill them", {"returning": 4, "filling": 0.8}, static=False
     )
-    time: Time | None = frozen_default(None, "simulation over time", {"angle": "360 deg"})
+    time: Time | None = frozen_default(None, "simulation over time", {"angle": "360 deg"}, static=False)
     gate: GateLimits = frozen_default(
-        GateLimits(), "largest accepted errors of contact loads, for rollbench check", {"max_error": 7}, compare=False
+        GateLimits(),
+        "largest accepted errors of contact loads, for rollbench check",
+        {"max_error": 7},
+        compare=False,
+        static=False,
     )
     operation: Operation = frozen_default(
-        Operation(), "reliability, lubrication, speed limit", {"reliability": 95}, compare=False
+        Operation(), "reliability, lubrication, speed limit", {"reliability": 95}, compare=False, static=False
     )
-    rating: MakerRating = frozen_default(MakerRating(), "load ratings by the maker", {"dynamic": "23.2 kN"})
+    rating: MakerRating = frozen_default(MakerRating(), "load ratings by the maker", {"dynamic": "23.2 kN"}, static=False)
 
     def __hash__(self) -> int:
         """Return a hash of the fields that ``==`` compares; it is computed once, because many caches look up scenes."""

@@ -17,7 +17,7 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, dataclass, field, fields, is_dataclass
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from functools import cache
 from typing import Any, TypeVar, dataclass_transform
 
@@ -31,15 +31,18 @@ FROZEN: dict[str, dict[str, object]] = {}
 _NONE: Any = object()
 
 
-def scene_key(description: str, example: object = None, **more: Any) -> Any:
+def scene_key(description: str = "", example: object = None, *, static: bool | None = None, **more: Any) -> Any:
     """Return a dataclass field that is also a key of scene files; without a default, a file must have the key.
 
     Parameters
     ----------
-    description : str
-        Description of the key, for the JSON schema and the manual.
+    description : str, optional
+        Description of the key, for the JSON schema and the manual; without it the field is no key.
     example : object, default None
         Example of a value as written in a scene file; that of the field's type if left out.
+    static : bool, optional
+        Whether the field has an effect on static contact loads, and so is a part of the keys of stored runs. If one field
+        of a record says so, all must.
     **more : Any
         Further arguments of ``dataclasses.field``, such as the default in SI units.
 
@@ -48,16 +51,23 @@ def scene_key(description: str, example: object = None, **more: Any) -> Any:
     dataclasses.Field
         The field, for the body of a dataclass.
     """
-    return field(metadata=_key_metadata(description, example), **more)
+    return field(metadata=_key_metadata(description, example, static), **more)
 
 
-def _key_metadata(description: str, example: object) -> dict[str, Any]:
-    """Return the metadata of a field that is a key of scene files: its description, and its example if it is not None."""
-    return {"description": description} | ({} if example is None else {"examples": [example]})
+def _key_metadata(description: str, example: object, static: bool | None) -> dict[str, Any]:
+    """Return the metadata of a field: description and example as a key of scene files, and whether it affects loads."""
+    key = {"description": description or None, "examples": None if example is None else [example], "static": static}
+    return {name: value for name, value in key.items() if value is not None}
 
 
 def frozen_default(
-    default: Any, description: str = "", example: object = None, *, present_default: Any = _NONE, compare: bool = True
+    default: Any,
+    description: str = "",
+    example: object = None,
+    *,
+    static: bool | None = None,
+    present_default: Any = _NONE,
+    compare: bool = True,
 ) -> Any:
     """Return a dataclass field with a frozen default: a value equal to it does not change the keys of stored 3D runs.
 
@@ -67,8 +77,9 @@ def frozen_default(
     ----------
     default : Any
         Frozen default, on the day on which the field was added.
-    description, example : str and object, optional
-        Description of the field as a key of scene files, and an example of its value, as for `scene_key`.
+    description, example, static : str, object and bool, optional
+        Description and example of the field as a key of scene files, and whether it affects static contact loads, as for
+        `scene_key`.
     present_default : object, optional
         Default that is used today, where it differs from the frozen one.
     compare : bool, default True
@@ -79,7 +90,7 @@ def frozen_default(
     dataclasses.Field
         The field, for the body of a dataclass.
     """
-    metadata = {"usual": default} | (_key_metadata(description, example) if description else {})
+    metadata = {"usual": default} | _key_metadata(description, example, static)
     return field(default=default if present_default is _NONE else present_default, metadata=metadata, compare=compare)
 
 
@@ -100,11 +111,16 @@ def frozen_record(record: type[T]) -> type[T]:
     Raises
     ------
     TypeError
-        The default of a field is not defined by `frozen_default`.
+        The default of a field is not defined by `frozen_default`, or some fields say whether they affect static contact
+        loads (``static``) and this one does not.
     """
     dataclass(frozen=True)(record)
     frozen: dict[str, object] = {}
-    for each in fields(record):  # type: ignore[arg-type]
+    of_record = fields(record)  # type: ignore[arg-type]
+    for each in of_record:
+        if "static" not in each.metadata and any("static" in other.metadata for other in of_record):
+            advice = "say static = True or False: whether it affects static contact loads, and so the keys of stored runs"
+            raise TypeError(f"{record.__name__}.{each.name}: {advice}")
         if "usual" in each.metadata:
             frozen[each.name] = each.metadata["usual"]
         elif each.default is not MISSING or each.default_factory is not MISSING:
@@ -116,6 +132,29 @@ def frozen_record(record: type[T]) -> type[T]:
     FROZEN[record.__name__] = frozen
     record.__pydantic_config__ = {"extra": "forbid"}  # type: ignore[attr-defined]
     return record
+
+
+def static_part(record: Any) -> Any:
+    """Return a record with those fields reset that have no effect on static contact loads, also in records inside it.
+
+    Parameters
+    ----------
+    record : Any
+        Record with fields that say whether they affect static contact loads, tuple of records, or any other value.
+
+    Returns
+    -------
+    Any
+        The record with the frozen default, or an empty text, in these fields; another value unchanged.
+    """
+    if isinstance(record, tuple):
+        return tuple(map(static_part, record))
+    said = [each for each in fields(record) if "static" in each.metadata] if is_dataclass(record) else []
+    changes = {
+        each.name: static_part(getattr(record, each.name)) if each.metadata["static"] else each.metadata.get("usual", "")
+        for each in said
+    }
+    return replace(record, **changes) if said else record
 
 
 #: Version of the canonical text, a part of every digest; increase it when the text of any value changes.

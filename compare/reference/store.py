@@ -21,14 +21,14 @@ import numpy as np
 from rollbench.compare import __version__, files
 from rollbench.compare.files import replace_file
 from rollbench.compare.provenance import sources_hash
-from rollbench.compare.reference.tasks import Solvable, is_mesh_suitable, mesh_settings_with_tuples, reset_nonstatic_fields
+from rollbench.compare.reference.tasks import Solvable, is_mesh_suitable, mesh_settings_with_tuples
 from rollbench.compare.running import machine_description
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.condensed import digest_of_geometry
-from rollbench.meshes.parts import Calibration, GateLimits, MakerRating, Operation, Scene
-from rollbench.meshes.record_keys import RecordFields, canonical_text, digest_of_values
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.record_keys import RecordFields, canonical_text, digest_of_values, static_part
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
 #: Largest size of a run's file [bytes] and deepest nesting of its brackets, beyond which a file is not read. The files that
@@ -167,21 +167,6 @@ KEY = 16 * "[0-9a-f]"
 #: Names of the fields of a run that are arrays.
 ARRAYS = ("load", "angle", "frozen", "centreline")
 
-#: For content keys: fixed values that replace those fields of the scene that have no effect on static contact loads.
-UNSAID: dict[str, Any] = {
-    "name": "",
-    "title": "",
-    "source": "",
-    "assumed": (),
-    "role": "",
-    "members": 1,
-    "gate": GateLimits(),
-    "operation": Operation(),
-    "calibration": Calibration(),
-    "rating": MakerRating(),
-    **dict.fromkeys(("friction", "motion", "circulation", "time")),
-}
-
 
 @dataclass(frozen=True)
 class Run:
@@ -284,8 +269,8 @@ def content_key_of_run(
 ) -> str:
     """Return the key by which a stored 3D run is found: a hash of everything that affects the run's results.
 
-    The hash covers the scene's geometry, manufacturing errors, loads and supports (not names, friction and other fields in
-    `UNSAID`, which do not affect static loads), its solid dimensions, the variant, the mesh settings and meshed flanks
+    The hash covers the scene's geometry, manufacturing errors, loads and supports (not names, friction and other fields
+    that do not affect static loads), its solid dimensions, the variant, the mesh settings and meshed flanks
     (which depend on all scenes that were meshed together), the version `SCHEMA` of the mechanics, and the versions of the
     mesh generator and the finite-element library.
 
@@ -310,9 +295,9 @@ def content_key_of_run(
     if isinstance(scene, Assembly):
         each = ((s.parts, mesh) for s, mesh in zip(scene.sets, settings["sets"], strict=True))
         meshed = [_mesh_parts_of_key(x, mesh, mesh["sides"], programs) for x, mesh in each if isinstance(x, Scene)]
-        return digest_of_values(SCHEMA, SETS, SECTIONS, reset_nonstatic_fields(scene, UNSAID), variant, *meshed)[:16]
+        return digest_of_values(SCHEMA, SETS, SECTIONS, static_part(scene), variant, *meshed)[:16]
     parts = _mesh_parts_of_key(scene, settings, sides, programs)
-    return digest_of_values(SCHEMA, replace(scene, **UNSAID), variant, *parts)[:16]
+    return digest_of_values(SCHEMA, static_part(scene), variant, *parts)[:16]
 
 
 def content_key_of_condensed_bodies(

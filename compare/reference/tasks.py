@@ -6,7 +6,7 @@ The meshed and condensed parts of a nut or bearing row are a set-up. Equal rows 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,7 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
 from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, VARIANTS, mesh_settings_of_level
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.parts import MakerRating, Scene
+from rollbench.meshes.parts import Scene
 from rollbench.meshes.record_keys import RecordFields, canonical_text
 
 if TYPE_CHECKING:
@@ -223,21 +223,6 @@ def _mesh_covers(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
         and all(x >= y for x, y in zip(meshed["reach"], wanted["reach"], strict=True))
         and set(wanted["sides"]) <= set(meshed["sides"])
     )
-
-
-def reset_nonstatic_fields(assembly: Assembly, reset_values: Mapping[str, Any]) -> Assembly:
-    """Return a copy of a shaft with nuts and bearings, with all fields without effect on static contact loads reset.
-
-    ``reset_values``: new values, by name, of those fields that the records of ball nuts and ball bearings have.
-    """
-    bare = [
-        replace(s, name="", parts=replace(s.parts, **reset_values))
-        if isinstance(s.parts, Scene)
-        else replace(s, parts=replace(s.parts, rating=MakerRating()))
-        for s in assembly.sets
-    ]
-    words: dict[str, Any] = {"name": "", "title": "", "source": "", "assumed": ()}
-    return replace(assembly, sets=tuple(bare), friction=None, motion=None, stiffness_at=None, lubricant=None, **words)
 
 
 def values_that_determine_meshes(scene: Solvable) -> tuple[Any, ...]:

@@ -34,8 +34,8 @@ from rollbench.compare.models.registry import ModelOptions, model_by_name, run_m
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent, reference_from_runs
-from rollbench.compare.reference.store import SCHEMA, SETS, UNSAID, MeasuringConditions, measuring_conditions
-from rollbench.compare.reference.tasks import ReferenceTask, Solvable, reset_nonstatic_fields
+from rollbench.compare.reference.store import SCHEMA, SETS, MeasuringConditions, measuring_conditions
+from rollbench.compare.reference.tasks import ReferenceTask, Solvable
 from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
 from rollbench.compare.running import usable_cores
 from rollbench.compare.scenes import scene_file
@@ -47,7 +47,7 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.processes import limit_to_one_thread
-from rollbench.meshes.record_keys import digest_of_values
+from rollbench.meshes.record_keys import digest_of_values, static_part
 from rollbench.reports.content import Figure, Panel, Series
 
 #: Errors that are summarised, by their names in the survey's record, with descriptions; errors of loads are in % of the
@@ -96,8 +96,8 @@ def store_reference_loads(path: Path, run_folder: Path, count: int, kind: str = 
 def _scene_digest(scene: Solvable) -> str:
     """Return a digest (hash value, 16 hexadecimal digits) of a scene's content and of the version of the 3D reference."""
     if isinstance(scene, Assembly):
-        return digest_of_values(SCHEMA, SETS, reset_nonstatic_fields(scene, UNSAID))[:16]
-    return digest_of_values(SCHEMA, replace(scene, **UNSAID))[:16]
+        return digest_of_values(SCHEMA, SETS, static_part(scene))[:16]
+    return digest_of_values(SCHEMA, static_part(scene))[:16]
 
 
 def _read_reference_loads(path: Path) -> dict[int, Row]:

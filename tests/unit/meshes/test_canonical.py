@@ -46,6 +46,21 @@ def test_a_default_that_is_not_frozen_fails_at_import_and_one_that_is_changed_la
     assert list(map(record_keys.canonical_text, (Later(), Later(1.0)))) == ["Later(sign=-1)", "Later()"]
 
 
+def test_a_field_that_does_not_say_whether_static_loads_depend_on_it_fails_at_import() -> None:
+    class Unsaid:
+        length: float = record_keys.scene_key(static=True)
+        noise: float = record_keys.frozen_default(0.0)
+
+    with pytest.raises(TypeError, match=r"Unsaid\.noise: say static = True or False"):
+        record_keys.frozen_record(Unsaid)
+    nut, axis = catalogue.shipped_scene("lin-case1"), catalogue.shipped_scene("smith-axis-taper")
+    for scene in (nut, axis):
+        renamed = dataclasses.replace(scene, name="x", title="y", source="z", assumed=("a",), friction=None)
+        assert record_keys.static_part(renamed) == record_keys.static_part(scene) != scene
+    assert record_keys.static_part(dataclasses.replace(nut, loads=())) != record_keys.static_part(nut)
+    assert {one.name for one in record_keys.static_part(axis).sets} == {""}
+
+
 @pytest.mark.parametrize("name", sorted(RECORDS))
 def test_every_record_of_keys_is_keyed(name: str) -> None:
     """So that a default that is not frozen fails when the record is imported, before a key is made."""
@@ -105,7 +120,7 @@ def test_another_default_of_any_field_changes_the_form_of_what_relies_on_it(name
     assert record_keys.canonical_text(built(later, **given)) != record_keys.canonical_text(built(record, **given))
 
 
-@pytest.mark.parametrize("field", [f for f in names(Scene) if f not in reference_store.UNSAID])
+@pytest.mark.parametrize("field", [f.name for f in dataclasses.fields(Scene) if f.metadata["static"]])
 def test_any_field_that_static_loads_depend_on_changes_the_key_of_a_run(
     field: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
