@@ -234,7 +234,11 @@ def _rigid_screw_support_faults(scene: Scene) -> Iterator[Fault]:
 
 def _washer_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the faults of the washers' dimensions, or the fault that a screw or a radial bearing has no washers."""
-    if has_washers(scene):
+    try:
+        washers = has_washers(scene)
+    except ValueError:  # the ring's land does not cut its groove, which is told as a fault of its diameter
+        return
+    if washers:
         for inner in (True, False):
             try:
                 washer_of_ring(scene, inner)

@@ -2,6 +2,7 @@
 
 import csv
 import re
+import tomllib
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from tests.shipped_texts import own_text
 
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models.registry import run_model
-from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.scenes import catalogue, scene_file, scene_tables
 from rollbench.compare.scenes.template import AXES, BEARINGS, commented_template
 from rollbench.meshes.axis import Assembly, RollerRow
 
@@ -108,3 +109,10 @@ def test_solve_and_friction_begin_rows_with_their_set(command, small):
     assert data["torque"]["friction_torque_Nmm"] == pytest.approx(total, rel=1e-12)
     _, out, _ = command("solve", small, "--model", "lin", "--verbose")
     assert "tangent stiffness of the whole axis, shaft at 0 mm" in out
+
+
+def test_a_ring_whose_land_does_not_cut_its_groove_is_a_fault_of_its_diameter() -> None:
+    tables = tomllib.loads(catalogue.shipped_scene_text("axis-fixed-fixed"))
+    del tables["sets"][1]["screw"]["outer_diameter"]
+    with pytest.raises(SceneError, match=r"sets\[1\]\.screw\.outer_diameter: got nothing; allowed: above 38.856 mm, below"):
+        scene_tables.scene_from_tables(tables, "axis.toml")
