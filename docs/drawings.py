@@ -15,7 +15,7 @@ CODE = {"fontsize": 9, "family": "monospace"}
 def draw(folder: Path) -> None:
     """Writes every drawing into a folder as SVG, each only where it is older than this file."""
     mpl.rcParams["svg.fonttype"] = "none"
-    for name, drawing in {"lengths": lengths, "contact": contact, "flange": flange}.items():
+    for name, drawing in {"lengths": lengths, "contact": contact, "flange": flange, "refined": refined}.items():
         path = folder / f"{name}.svg"
         if not path.exists() or path.stat().st_mtime < Path(__file__).stat().st_mtime:
             drawing(path)
@@ -111,6 +111,7 @@ def contact(path: Path) -> None:
     axes.text(0, 2.0, "nut", ha="center", va="center")
     axes.text(0, -2.0, "screw", ha="center", va="center")
     axes.text(1.75, -0.78, "land", fontsize=8)
+    axes.text(-1.02, 0.95, "arc", fontsize=8, ha="right")
     axes.set_xlim(-2.4, 2.4)
     axes.set_ylim(-2.2, 2.2)
     figure.savefig(path)
@@ -150,5 +151,55 @@ def flange(path: Path) -> None:
     axes.text(-8, -4, "axis; the dashed lines bound the 3D stretch of the shaft", fontsize=9)
     axes.set_xlim(-22, 184)
     axes.set_ylim(-8, 66)
+    figure.savefig(path)
+    plt.close(figure)
+
+
+def refined(path: Path) -> None:
+    """The four parts of the refined model's compliance, in the order of its equation: which body each loads, and where."""
+    figure, axes = _axes((10, 2.9))
+    load = {"arrowstyle": "-|>", "lw": 1.4, "color": "#c0392b", "shrinkA": 0, "shrinkB": 0}
+
+    def push(x: float, y: float) -> None:
+        axes.annotate("", xy=(x, y), xytext=(x, y + 6), arrowprops=load)
+
+    def under(x: float, name: str, text: str) -> None:
+        axes.text(x, -17, name, ha="center", fontsize=11, weight="bold")
+        axes.text(x, -20, text, ha="center", va="top", fontsize=9)
+
+    def beam(x: float, y: float, half: float) -> None:
+        axes.plot([x - half, x + half], [y, y], color="black", lw=2.2)
+        for z in (-0.6, 0.0, 0.6):
+            axes.plot(x + z * half, y, "o", color="black", ms=3.5)
+
+    beam(14, 0, 14)
+    for z in (-8.4, 0.0, 8.4):
+        push(14 + z, 0.8)
+    under(14, "beam", "whole shaft, sections\nof the grooved body")
+    axes.text(34, 0, "+", fontsize=20, ha="center", va="center")
+    axes.add_patch(Rectangle((40, -10), 26, 20, fc=STEEL, ec="black", lw=0.8))
+    axes.plot([38, 68], [0, 0], color="black", lw=0.6, ls=(0, (12, 3, 2, 3)))
+    axes.add_patch(Rectangle((49, 9.3), 8, 1.4, fc="#c0392b", ec="none"))
+    push(53, 10.7)
+    axes.text(71, 0, "\u2212", fontsize=20, ha="center", va="center")
+    beam(82, 0, 7)
+    push(82, 0.8)
+    under(60, "body of revolution, less its own beam", "smooth, a wide patch,\nharmonics around the axis")
+    axes.text(94, 0, "+", fontsize=20, ha="center", va="center")
+    z = np.linspace(-13, 13, 200)
+    groove = 10 - np.where(np.abs(z) < 7, np.sqrt(np.maximum(0.0, 64 - (np.abs(z) + 1) ** 2)), 0.0)
+    axes.fill(np.r_[112 + z, 125, 99], np.r_[groove, -10, -10], fc=STEEL, ec="black", lw=0.8)
+    axes.add_patch(Circle((112, 10), 6.7, fc=BALL, ec="black", lw=0.7))
+    angle = np.radians(np.linspace(215, 235, 20))
+    axes.plot(112 + 7.2 * np.cos(angle), 10 + 7.2 * np.sin(angle), color="#c0392b", lw=3)
+    under(112, "flank, less the smooth body", "the true groove,\na narrow patch")
+    axes.text(132, 0, "\u2212", fontsize=20, ha="center", va="center")
+    axes.add_patch(Wedge((150, 4), 14, 180, 360, fc=STEEL, ec="none"))
+    axes.plot([136, 164], [4, 4], color="black", lw=0.8)
+    axes.plot([147, 153], [4, 4], color="#c0392b", lw=3)
+    push(150, 4.7)
+    under(150, "half space", "Hertz's law holds it already")
+    axes.set_xlim(-2, 168)
+    axes.set_ylim(-29, 20)
     figure.savefig(path)
     plt.close(figure)

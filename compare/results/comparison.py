@@ -22,14 +22,15 @@ from rollbench.compare.reference.levels import ADVISED, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, shipped_store
 from rollbench.compare.reference.tasks import ReferenceTask, Solvable
 from rollbench.compare.results import compared as results_compared
-from rollbench.compare.results.base import JSON, Record, add_schema_version
+from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
 from rollbench.compare.results.compared import LoadsWithErrors, NutOrBearingComparison
 from rollbench.compare.results.solved import ExpectedError, expected_error_record
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle, LoadCaseOfDutyCycle, load_cases_by_scene_name
 from rollbench.compare.scenes.scene_file import scenes_to_solve
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.quantity import quantity_field, result_record
+from rollbench.reports.content import Figure, Panel, Series
 
 #: Comparisons, by the name of the load case and the name of the nut or bearing.
 ByCase = Mapping[tuple[str, str], NutOrBearingComparison]
@@ -115,7 +116,7 @@ class Uncertainty:
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class Comparison(Record):
+class Comparison(TabularRecord):
     """Errors of low-order models against a reference.
 
     With several nuts or bearings on one shaft, `sets` has a comparison for each. With several load cases, `cases` has a
@@ -171,6 +172,61 @@ class Comparison(Record):
     def seconds(self) -> dict[str, float | None]:
         """Computing time of each model [s], by its name; None if not measured."""
         return {name: one.seconds for name, one in self.models.items()}
+
+    def _parts(self) -> dict[str, Comparison]:
+        """Return the comparison of each single nut or bearing, by load case and set; empty if there is only one."""
+        parts = {**self.cases, **self.sets}
+        return {
+            f"{name}, {of}".rstrip(", "): inner
+            for name, one in parts.items()
+            for of, inner in (one._parts() or {"": one}).items()
+        }
+
+    def frame_rows(self) -> Sequence[Mapping[str, Any]]:
+        """Return a row for each contact that the reference or a model loads; flanks SL, SR, NL, NR."""
+        if parts := self._parts():
+            return [{"of": name, **row} for name, one in parts.items() for row in one.frame_rows()]
+        if self.reference is None:
+            return []
+        loads = {model: one.loads for model, one in self.models.items()}
+        touched = np.any([self.reference.loads > 0.0, *(x > 0.0 for x in loads.values())], axis=0)
+        return [
+            {
+                "ball": int(i) + 1,
+                "flank": SIDES[j],
+                "reference_N": float(self.reference.loads[i, j]),
+                "uncertainty_N": None if self.uncertainties is None else float(self.uncertainties[i, j]),
+                **{f"{model}_N": float(x[i, j]) for model, x in loads.items()},
+                **{f"{model}_error_percent": float(one.errors[i, j]) for model, one in self.models.items()},
+            }
+            for i, j in np.argwhere(touched)
+        ]
+
+    def figure(self) -> Figure | None:
+        """Return the figure of the contact loads of models and reference, a panel for each loaded flank of each part."""
+        panels = [p for name, one in (self._parts() or {"": self}).items() for p in one._panels(name)]
+        return Figure("comparison", f"{self.scene}: contact loads of models and reference", panels) if panels else None
+
+    def _panels(self, part: str) -> list[Panel]:
+        """Return a panel for each loaded flank of a single nut or bearing; ``part``: its name, before the flank's."""
+        if self.reference is None:
+            return []
+        balls, shown = list(range(1, len(self.reference.loads) + 1)), []
+        for j in np.flatnonzero((self.reference.loads > 0.0).any(axis=0)):
+            truth = self.reference.loads[:, j]
+            half = np.zeros_like(truth) if self.uncertainties is None else self.uncertainties[:, j]
+            bars = ((truth - half).tolist(), (truth + half).tolist())
+            series = [
+                Series(self.reference.name, balls, truth.tolist(), "markers", bold=True, error_bars=bars),
+                *(
+                    Series(name, balls, one.loads[:, j].tolist(), "line")
+                    for name, one in self.models.items()
+                    if "3D" not in name
+                ),
+            ]
+            title = ", ".join(filter(None, (part, f"flank {SIDES[j]}")))
+            shown.append(Panel(title, "number of the ball", "contact load / N", series, include_zero=True, integer_x=True))
+        return shown
 
     def to_dict(self) -> dict[str, JSON]:
         """Return the models' errors, and the results of models and reference, as a dictionary of JSON values.
