@@ -103,3 +103,15 @@ def test_the_command_prints_the_record(command, smith: rollbench.SideBySide) -> 
 @pytest.mark.parametrize("option", [["--members", "3"], ["--balls"], ["--curve", "-1N:1N"], ["--loads-csv", "x.csv"]])
 def test_what_is_of_one_scene_is_refused_in_one_line(command, option: list[str]) -> None:
     assert option[0] in command.refused("solve", *SMITH, *option)
+
+
+def test_a_comparison_is_a_frame_of_contacts_and_a_panel_of_each_loaded_flank() -> None:
+    pytest.importorskip("pandas")
+    found = rollbench.compare_models("lin-case1", ["lin"])
+    frame = found.to_dataframe()
+    worst = frame.loc[frame["lin_error_percent"].abs().idxmax()]
+    lin = found.models["lin"]
+    assert (worst["ball"], worst["flank"]) == (lin.ball, lin.side)
+    assert abs(worst["lin_error_percent"]) == pytest.approx(lin.largest_error)
+    assert frame.attrs["units"]["reference_N"] == "N"
+    assert [axes.get_title(loc="left") for axes in found.plot().axes] == ["flank SL", "flank NR"]
