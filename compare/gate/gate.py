@@ -356,16 +356,16 @@ def check_default_model(cache: SceneResultCache, max_error: float) -> list[GateC
             continue
         load = cache.solve_once(name, DEFAULT).load
         bar = largest_uncertainty_percent(reference)
-        points = contact_load_errors(name, reference, max_error, load)
-        over = [p for p in points if p.exceeds]
+        points = contact_load_errors(reference, load)
+        over = [p for p in points if p.exceeds(max_error)]
         for p in over:
-            share, label = p.uncertainty_percent, f"{p.scene}: load of ball {p.ball} {p.side} against the 3D reference"
+            share, label = p.uncertainty, f"{name}: load of ball {p.ball} {p.side} against the 3D reference"
             text = f"uncertainty of the 3D reference {share:.2f} %"
-            rows.append(GateCheck(label, kind, None, None, p.error_percent, max_error, False, text, share))
+            rows.append(GateCheck(label, kind, None, None, p.error, max_error, False, text, share))
         if not over:
-            top = max(points, key=lambda p: abs(p.error_percent))
+            top = max(points, key=lambda p: abs(p.error))
             label = f"{name}: contact load with the largest error (ball {top.ball} {top.side}) against the 3D reference"
-            error, share = top.error_percent, top.uncertainty_percent
+            error, share = top.error, top.uncertainty
             rows.append(GateCheck(label, kind, None, None, error, max_error, True, "", share))
         e = load_error(load, reference.load, reference.contacts)
         limit, cause = WIDER.get(name, (TIGHT, ""))
@@ -389,9 +389,9 @@ def check_known_errors_of_lin_model(cache: SceneResultCache, max_error: float) -
         reference = cache.stored_reference(name)
         if reference is None:
             continue
-        points = contact_load_errors(name, reference, max_error, cache.solve_once(name, "lin").load)
-        over = {(p.scene, p.ball, p.side) for p in points if p.exceeds}
-        top = max(points, key=lambda p: abs(p.error_percent))
+        points = contact_load_errors(reference, cache.solve_once(name, "lin").load)
+        over = {(name, p.ball, p.side) for p in points if p.exceeds(max_error)}
+        top = max(points, key=lambda p: abs(p.error))
         named = {k for k in known if k[0] == name}
         beyond, back = "is above the limit but not listed", "is listed but no longer above the limit"
         wrong = [f"the error of ball {b} {side} {beyond}" for _, b, side in sorted(over - named)]
@@ -401,6 +401,6 @@ def check_known_errors_of_lin_model(cache: SceneResultCache, max_error: float) -
             f"{name}: contact-load errors of Lin's model, held to the known exceedances: {side} the limit ({len(over)} of "
             f"{len(points)} contacts above it; largest error at ball {top.ball} {top.side})"
         )
-        error, words = top.error_percent, "; ".join([*wrong[:3], *better[:3]])
+        error, words = top.error, "; ".join([*wrong[:3], *better[:3]])
         rows.append(GateCheck(label, "source's model", None, None, error, max_error, not wrong, words, gated=False))
     return rows

@@ -98,11 +98,11 @@ def uncertainty_warning(ref: Reference, limit: float) -> str:
     ``ref``: the reference; ``limit``: error limit of contact loads [% of the contact's load; of the mean load for small
     loads].
     """
-    worst = max(comparison.contact_load_errors(ref.scene, ref, limit, ref.load), key=lambda p: p.uncertainty_percent)
-    if worst.uncertainty_percent <= limit:
+    worst = max(comparison.contact_load_errors(ref, ref.load), key=lambda p: p.uncertainty)
+    if worst.uncertainty <= limit:
         return ""
     return (
-        f"the uncertainty of {ref.label}, {worst.uncertainty_percent:.3g} % at ball {worst.ball} {worst.side}, exceeds "
+        f"the uncertainty of {ref.label}, {worst.uncertainty:.3g} % at ball {worst.ball} {worst.side}, exceeds "
         f"the error limit of {limit:g} %: errors near the limit cannot be judged"
     )
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from rollbench.compare.gate import judged as gate_judged
 from rollbench.compare.measure import SMALL, LoadError, error_percent, load_error, mask_of_loaded_contacts, mean_load
-from rollbench.compare.models.comparison import RULE, ContactSolution, contact_load_errors
+from rollbench.compare.models.comparison import RULE, ContactError, ContactSolution, contact_load_errors
 from rollbench.compare.quantities import json_number, words_and_unit_of_key
 from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
@@ -264,20 +264,7 @@ def verdict_on_error(error: float, uncertainty: float | None, limit: float) -> J
     return Judgement.FAIL if abs(error) - uncertainty > limit else Judgement.UNDECIDED
 
 
-class JudgedContactError(NamedTuple):
-    """Error of the judged load or angle on one contact, with the uncertainty of the reference."""
-
-    #: Error of the judged value against the reference [%; deg for contact angles].
-    error: float
-    #: Uncertainty of the reference on this contact, in the same unit; None: not known.
-    uncertainty: float | None
-    #: Number of the ball, from 1.
-    ball: int
-    #: Flank: SL, SR, NL, NR.
-    side: str
-
-
-def decisive_contact(points: Sequence[JudgedContactError], limit: float) -> tuple[Judgement, JudgedContactError]:
+def decisive_contact(points: Sequence[ContactError], limit: float) -> tuple[Judgement, ContactError]:
     """Return the worst verdict on any contact, and the contact that determines it.
 
     ``points``: errors of all judged contacts; ``limit``: error limit, in the unit of these errors. The decisive contact is
@@ -287,7 +274,7 @@ def decisive_contact(points: Sequence[JudgedContactError], limit: float) -> tupl
     worst = worst_judgement(each)
     sign = -1.0 if worst is Judgement.FAIL else 1.0
     gravest = [p for p, kind in zip(points, each, strict=True) if kind == worst]
-    return worst, max(gravest, key=lambda p: abs(p.error) + sign * (p.uncertainty or 0.0))
+    return worst, max(gravest, key=lambda p: abs(p.error) + sign * float(np.nan_to_num(p.uncertainty)))
 
 
 def verdict_without_reference(
@@ -332,11 +319,7 @@ def judge_contact_loads(
     """
     chosen = np.array([side in flanks for side in SIDES])
     name, limit, rms_limit = reference.scene, limits.largest_load_error, limits.rms_load_error
-    points = [
-        JudgedContactError(p.error_percent, json_number(abs(p.uncertainty_percent)), p.ball, p.side)
-        for p in contact_load_errors(name, reference, limit, load)
-        if p.side in flanks
-    ]
+    points = [p for p in contact_load_errors(reference, load) if p.side in flanks]
     if not points:
         why = f"the reference has no contact load on the flanks {', '.join(flanks)}"
         return [verdict_without_reference(reference, judged, LARGEST, limit, why)]
@@ -346,7 +329,9 @@ def judge_contact_loads(
     kind, at = decisive_contact(points, limit)
     words = "; ".join(filter(None, (detail, reference_notes(reference))))
     shared: dict[str, Any] = {"levels": reference.levels, "contacts": len(points), "detail": words}
-    first = VerdictRow(name, judged, LARGEST, kind, at.error, at.uncertainty, limit, at.ball, at.side, **shared)
+    first = VerdictRow(
+        name, judged, LARGEST, kind, at.error, json_number(at.uncertainty), limit, at.ball, at.side, **shared
+    )
     out = [replace(first, of_mean=of_mean, near=_loads_of_neighbouring_balls(load, reference, at))]
     if rms_limit is not None:
         error, bar = of_mean.rms_percent, reference.parts.uncertainty
@@ -355,7 +340,7 @@ def judge_contact_loads(
     return out
 
 
-def _loads_of_neighbouring_balls(load: Array, reference: Reference, at: JudgedContactError) -> NeighbouringLoads:
+def _loads_of_neighbouring_balls(load: Array, reference: Reference, at: ContactError) -> NeighbouringLoads:
     """Return the judged and reference loads on the flank of a contact, of up to `NEAR` balls before it and after it.
 
     ``at``: the contact. Each entry is (number of the ball from 1, judged load, reference load, uncertainty of the reference
@@ -501,7 +486,7 @@ def _judge_contact_quantity(
         why = f"no contact of the flanks {', '.join(given.flanks)} is loaded"
         return verdict_without_reference(ref, judged, q.name, limit, why, unit)
     points = [
-        JudgedContactError(float(errors[i, s]), json_number(shares[i, s]), int(i) + 1, SIDES[s])
+        ContactError(float(errors[i, s]), float(shares[i, s]), int(i) + 1, SIDES[s])
         for i, s in zip(*np.nonzero(judge), strict=True)
     ]
     kind, at = decisive_contact(points, limit)
@@ -510,7 +495,9 @@ def _judge_contact_quantity(
     if q is not gate_judged.ANGLE and q.name not in ref.further:
         notes.insert(0, BY_HERTZ)
     where = (at.ball, at.side, ref.levels, len(points), "; ".join(filter(None, notes)))
-    return VerdictRow(ref.scene, judged, q.name, kind, at.error, at.uncertainty, limit, *where, unit=unit, pair=pair)
+    return VerdictRow(
+        ref.scene, judged, q.name, kind, at.error, json_number(at.uncertainty), limit, *where, unit=unit, pair=pair
+    )
 
 
 def judge_value(judged: str, given: gate_judged.UserValue, scene: Scene, ref: Reference, limits: ErrorLimits) -> VerdictRow:

@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, replace
 from functools import lru_cache, partial
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -453,43 +453,38 @@ def known_exceedances() -> list[KnownExceedance]:
     return [KnownExceedance(**row) for row in files.read_shipped_toml("references/known_exceedances.toml").get("row", [])]
 
 
-@dataclass(frozen=True)
-class ContactLoadError:
-    """Error of one contact load by a model against the 3D reference, and whether it exceeds the error limit."""
+class ContactError(NamedTuple):
+    """Error of a value on one contact, such as its load, against the reference, with the uncertainty of the reference."""
 
-    #: Name of the scene.
-    scene: str
+    #: Error [% of the contact's reference value, for small loads of that at the mean load; deg for contact angles].
+    error: float
+    #: Uncertainty of the reference on this contact, in the same unit; nan: not known.
+    uncertainty: float
     #: Number of the ball, from 1.
     ball: int
     #: Flank: SL, SR, NL, NR.
     side: str
-    #: Error [% of the contact's reference load; for small loads of the mean load].
-    error_percent: float
-    #: Uncertainty of the contact's load by the reference [% of the load to which the error refers].
-    uncertainty_percent: float
-    #: Whether the magnitude of the error, less the uncertainty, exceeds the error limit.
-    exceeds: bool
+
+    def exceeds(self, limit: float) -> bool:
+        """Return whether the magnitude of the error, less the uncertainty, exceeds a limit in the unit of the error."""
+        return abs(self.error) - self.uncertainty > limit
 
 
-def contact_load_errors(name: str, reference: Reference, max_error: float, load: Array) -> list[ContactLoadError]:
-    """Return the error of each contact load by a model against the reference, and whether it exceeds the error limit.
+def contact_load_errors(reference: Reference, load: Array) -> list[ContactError]:
+    """Return the error of each contact load by a model against the reference, in the per cent of `rollbench check`.
 
     Contacts that are unloaded both by the model and in the reference are omitted.
 
     Parameters
     ----------
-    name
-        Name of the scene.
     reference
         Reference of the scene.
-    max_error
-        Largest allowed error of a contact load [%].
     load
         Contact loads of the model for n balls on 4 flanks, (n, 4) [N].
 
     Returns
     -------
-    list of ContactLoadError
+    list of ContactError
         Error of each contact that carries load by the model or in the reference.
     """
     scales = load_scale_of_check_errors(reference.load, reference.mean)
@@ -498,7 +493,7 @@ def contact_load_errors(name: str, reference: Reference, max_error: float, load:
         scale = float(scales[i, s])
         error = float(error_percent(load[i, s], reference.load[i, s], scale))
         bar = float(error_percent(reference.uncertainty[i, s], 0.0, scale))
-        points.append(ContactLoadError(name, int(i) + 1, SIDES[int(s)], error, bar, abs(error) - bar > max_error))
+        points.append(ContactError(error, bar, int(i) + 1, SIDES[int(s)]))
     return points
 
 

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import SceneNotCoveredError
-from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models import comparison, model_form
 from rollbench.compare.models.answers import ContactLoadResults, motion_of_unloaded_screw, results_of_contact_loads
@@ -105,8 +104,8 @@ def compare_loads_with_reference(
     count = count_nominal_contacts(scene) if contacts is None else contacts
     found = results_of_contact_loads(scene, answer.load, angle, pressure=answer.pressure)
     force = model_form.axial_contact_force(scene, answer.load, angle)
-    points = [] if reference is None else comparison.contact_load_errors(reference.scene, reference, LIMIT, answer.load)
-    by_gate = max((abs(p.error_percent) for p in points), default=0.0)
+    points = [] if reference is None else comparison.contact_load_errors(reference, answer.load)
+    by_gate = max((abs(p.error) for p in points), default=0.0)
     return LoadsWithErrors(answer, error, found, at, moved - unloaded_displacement, force, count, by_gate)
 
 

@@ -275,11 +275,11 @@ def lin_model_check_paragraph(references: References, cache: SceneResultCache) -
     """
     worst = []
     for name, ref in references.items():
-        points = contact_load_errors(name, ref, LIMIT, cache.solve_once(name, "lin").load)
-        top = max(points, key=lambda p: abs(p.error_percent))
-        over = [p for p in points if p.exceeds]
+        points = contact_load_errors(ref, cache.solve_once(name, "lin").load)
+        top = max(points, key=lambda p: abs(p.error))
+        over = [p for p in points if p.exceeds(LIMIT)]
         worst.append(
-            f"{name}: largest error {abs(top.error_percent):.1f} % at ball {top.ball} {top.side}, "
+            f"{name}: largest error {abs(top.error):.1f} % at ball {top.ball} {top.side}, "
             f"{len(over)} of {len(points)} contacts beyond {LIMIT:g} %"
         )
     return (
@@ -312,8 +312,8 @@ def contacts_beyond_check_limit_table(references: References, cache: SceneResult
     causes = {(x.scene, x.ball, x.side): x.cause for x in known_exceedances()}
     rows: list[Row] = []
     for name, ref in references.items():
-        for p in contact_load_errors(name, ref, LIMIT, cache.solve_once(name, "lin").load):
-            if p.exceeds:
+        for p in contact_load_errors(ref, cache.solve_once(name, "lin").load):
+            if p.exceeds(LIMIT):
                 k, rigid = SIDES.index(p.side), error_against_rigid_nut_reference(cache, name, p.ball, p.side)
                 unknown = "not listed among the known causes: rollbench check fails"
                 cause = causes.get((name, p.ball, p.side), unknown)
@@ -323,10 +323,10 @@ def contacts_beyond_check_limit_table(references: References, cache: SceneResult
                         "ball": p.ball,
                         TableColumn("side", "flank", "", "s"): p.side,
                         TableColumn("ref", "load by the 3D reference", "N", ".1f"): float(ref.load[p.ball - 1, k]),
-                        TableColumn("error", "load error of Lin's model", "% of contact's load", "+.1f"): p.error_percent,
+                        TableColumn("error", "load error of Lin's model", "% of contact's load", "+.1f"): p.error,
                         TableColumn(
                             "bar", "mesh uncertainty of the 3D reference", "% of contact's load", ".2f"
-                        ): p.uncertainty_percent,
+                        ): p.uncertainty,
                         TableColumn(
                             "rigid", "load error if the nut is rigid in model and reference", "% of contact's load", "+.1f"
                         ): rigid,

@@ -78,17 +78,17 @@ def test_the_gate_deducts_the_reference_s_uncertainty(monkeypatch: pytest.Monkey
 def test_an_unnamed_exceedance_fails_and_one_that_got_better_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     study, known = SceneResultCache(), comparison.known_exceedances()
     loads = study.solve_once("lin-case1").load
-    points = comparison.contact_load_errors("lin-case1", reference_of_scene(CASE1), 7.0, loads)
-    worst = max(points, key=lambda p: abs(p.error_percent) - p.uncertainty_percent)
+    points = comparison.contact_load_errors(reference_of_scene(CASE1), loads)
+    worst = max(points, key=lambda p: abs(p.error) - p.uncertainty)
     gone = comparison.KnownExceedance("lin-case1", 5, "SL", "no cause")
-    below = abs(worst.error_percent) - worst.uncertainty_percent - 0.01
+    below = abs(worst.error) - worst.uncertainty - 0.01
     for listed, limit, words, passed in (
         ([], below, f"ball {worst.ball} {worst.side} is above the limit but not listed", False),
         ([*known, gone], 7.0, "ball 5 SL is listed but no longer", True),
     ):
         monkeypatch.setattr(gate, "known_exceedances", lambda listed=listed: listed)
-        rows = [r for r in gate.check_known_errors_of_lin_model(study, limit) if r.name.startswith("lin-case1:")]
-        assert [(words in r.detail, r.passed) for r in rows] == [(True, passed)]
+        rows = [r for r in gate.check_known_errors_of_lin_model(study, limit) if r.subject.startswith("lin-case1:")]
+        assert [(words in r.note, r.passed) for r in rows] == [(True, passed)]
 
 
 def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
