@@ -140,6 +140,7 @@ class SceneFileTable:
         node = handler.resolve_ref_schema(whole)
         names = {each.name: node["properties"][each.name] for each in fields(cls)}  # type: ignore[arg-type]
         node["properties"] = {name: names[name] for name in FIRST if "title" in names and name in names} | names
+        node["description"] = inspect.cleandoc(cls.__doc__ or "")  # which pydantic 2.9 does not take from a dataclass
         return whole
 
 
@@ -249,11 +250,11 @@ class RingSpeedKeys(SceneFileTable):
 _READERS: dict[type, TypeAdapter[Any]] = {}
 
 
-def reader_of_tables(keys: type) -> TypeAdapter[Any]:
-    """Return pydantic's reader of a table with the keys of the class ``keys``."""
-    if keys not in _READERS:
-        _READERS[keys] = TypeAdapter(keys)
-    return _READERS[keys]
+def reader_of_tables(table_class: type) -> TypeAdapter[Any]:
+    """Return pydantic's reader of a table with the keys of the class ``table_class``."""
+    if table_class not in _READERS:
+        _READERS[table_class] = TypeAdapter(table_class)
+    return _READERS[table_class]
 
 
 @cache
