@@ -93,6 +93,12 @@ def quantities_of_record(kind: type) -> dict[str, TableColumn]:
     }
 
 
+@cache
+def _optional_keys(kind: type) -> frozenset[str]:
+    """Return the JSON keys of the record class ``kind`` that are left out where the value is None."""
+    return frozenset(x.key for _, x in quantity_descriptions(kind) if x.optional)
+
+
 def _unit_of_dotted_key(key: str) -> tuple[str, Unit | None]:
     """Return the last name of a dotted JSON key such as ``loads.max_N``, and the last unit that occurs in the key.
 
@@ -136,10 +142,13 @@ def record_as_json(instance: Any, *without: str) -> dict[str, Any] | None:
         return None
     out: dict[str, Any] = {}
     kind: Any = type(instance)
+    left_out = _optional_keys(kind)
     for key, one in quantities_of_record(kind).items():
         if key not in without:
             *tables, last = key.split(".")
-            reduce(lambda at, name: at.setdefault(name, {}), tables, out)[last] = one.value(instance)
+            value = one.value(instance)
+            if value is not None or key not in left_out:
+                reduce(lambda at, name: at.setdefault(name, {}), tables, out)[last] = value
     return out
 
 

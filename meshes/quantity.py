@@ -34,11 +34,13 @@ class QuantityDescription:
     #: Function that converts the field's value (SI units) to the value shown; None: the value is shown unchanged.
     show: Callable[[Any], object] | None = field(default=None, compare=False)
     #: Expected error of a low-order model for this quantity: name of the field of
-    #: `compare.models.model_form.ExpectedModelErrors` that holds this error, and a factor on the error.
+    #: `compare.models.model_form.ExpectedError` that holds this error, and a factor on the error.
     expected: tuple[str, float] = ("", 0.0)
     #: Text after the value in the table of results; keys in braces are replaced by the values of the record, as in
     #: ``"ball {ball} {side}"``.
     note: str = ""
+    #: Whether the key is left out where the value is None.
+    optional: bool = False
 
     def shown(self, value: object) -> object:
         """Return the value shown in results, in the unit of the key, for a value of the field in SI units."""
@@ -61,6 +63,7 @@ def quantity_field(
     show: Callable[[Any], object] | None = None,
     expected: tuple[str, float] = ("", 0.0),
     note: str = "",
+    optional: bool = False,
     default: Any = MISSING,
     default_factory: Any = MISSING,
 ) -> Any:
@@ -72,7 +75,7 @@ def quantity_field(
         Key and definition, as the fields of `QuantityDescription`.
     *also : QuantityDescription
         Descriptions of further keys that are computed from the same value.
-    error, heading, form, parts, show, expected, note
+    error, heading, form, parts, show, expected, note, optional
         Error, name, format and other properties, as the fields of `QuantityDescription`.
     default, default_factory : Any, default MISSING
         Default of the field, as for ``dataclasses.field``.
@@ -90,7 +93,7 @@ def quantity_field(
     >>> Contact(2.0).force, quantity_descriptions(Contact)[0][1].definition
     (2.0, 'its load F')
     """
-    stated = QuantityDescription(key, definition, error, heading, form, parts, show, expected, note), *also
+    stated = QuantityDescription(key, definition, error, heading, form, parts, show, expected, note, optional), *also
     given: dict[str, Any] = {"default": default, "default_factory": default_factory}
     return field(**given, metadata={"stated": stated})
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -198,29 +197,15 @@ def solve_scene_record(
     rollbench.InputError
         If the model does not cover the scene.
     """
-    from rollbench.compare.models.answers import tangent_stiffness_at, tangent_stiffness_at_nut
-    from rollbench.compare.models.load_cases import compute_duty_cycle_results, solve_with_results
     from rollbench.compare.models.registry import default_model_name
-    from rollbench.compare.results.solved import result_from_solutions
+    from rollbench.compare.results.solved import combine_load_cases, solve_with_results
 
-    solved, tangents, at_nut = [], [], []
+    results = []
     for scene in scenes_to_solve(described, name_for_messages or described.name):
         with show_file_in_scene_errors(scene.name, name_for_messages or scene.name):
-            chosen, tangent = model or default_model_name(scene), None
-            if isinstance(scene, Assembly) and stiffness_at is not None:
-                scene = replace(scene, stiffness_at=stiffness_at)
-            one = solve_with_results(scene, chosen, options)
-            if isinstance(scene, Scene) and stiffness_at is not None and one.derived_results is not None:
-                tangent = tangent_stiffness_at(scene, stiffness_at, chosen, options)
-            K = None
-            if stiffness and isinstance(scene, Scene) and one.derived_results is not None:
-                K, _ = tangent_stiffness_at_nut(scene, chosen, options)
-            solved.append(one)
-            tangents.append(tangent)
-            at_nut.append(K)
-    if not isinstance(described, DutyCycle):
-        return result_from_solutions(solved, tangents, at_nut)
-    return result_from_solutions(solved, tangents, at_nut, described, compute_duty_cycle_results(described, solved))
+            chosen = model or default_model_name(scene)
+            results.append(solve_with_results(scene, chosen, options, stiffness_at, stiffness=stiffness))
+    return combine_load_cases(described, results) if isinstance(described, DutyCycle) else results[0]
 
 
 @limited_to_one_thread()

@@ -20,12 +20,10 @@ from rollbench.compare.running import show_progress_message
 from rollbench.compare.text.printing import CommandOutput, print_command_output, ruled_table
 
 if TYPE_CHECKING:
-    from rollbench.compare.models.load_cases import SceneSolution, ShaftSolution
     from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.results.data import Ensemble, Statistics
     from rollbench.compare.results.load_curve import LoadCurve
-    from rollbench.lowfi.statics.result import StaticResult
-    from rollbench.lowfi.statics.tangent import TangentStiffness
+    from rollbench.compare.results.solved import Result
     from rollbench.meshes.arrays import Array
     from rollbench.meshes.axis import Assembly
     from rollbench.meshes.parts import Scene
@@ -70,6 +68,7 @@ def solve_and_report(name: str, solve_options: SolveOptions) -> CommandOutput:
     from rollbench.compare.api.calls import solve_scene_record
     from rollbench.compare.files import written_together
     from rollbench.compare.models.registry import ModelOptions, default_model_name
+    from rollbench.compare.results.solved import CycleResult
     from rollbench.compare.running import checked_time_limit, watch_running_time
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import scenes_to_solve
@@ -84,23 +83,23 @@ def solve_and_report(name: str, solve_options: SolveOptions) -> CommandOutput:
     at = station if solve_options.stiffness_at else None
     with watch_running_time(f"{described.name}, model {one_line(model)}", checked_time_limit(solve_options.time_limit)):
         found = solve_scene_record(described, model, options, at, name)
-    solved, names = found.solved, [*found.cases]
-    of_cases = [_options_of_load_case(solve_options, case) for case in names] or [solve_options]
+    cases = found.cases or {"": found}
     written: list[str] = []
     with written_together():
-        for one, tangent, files in zip(solved, found.tangents, of_cases, strict=True):
-            written += _write_stiffness_matrix(one, tangent, files)
+        for case, one in cases.items():
+            written += _write_stiffness_matrix(one, _options_of_load_case(solve_options, case) if case else solve_options)
         if solve_options.loads_csv is not None:
-            written += _write_contact_loads(solve_options.loads_csv, solved, names)
+            written += _write_contact_loads(solve_options.loads_csv, cases)
     shown = {"balls": solve_options.balls, "details": solve_options.verbose, "stiffness": bool(solve_options.stiffness_at)}
-    if found.cycle is None or found.together is None:
-        tangent = found.tangents[0]
-        lines = [*solved_case_parts(solved[0], **shown), *([] if tangent is None else tangent_stiffness_parts(tangent))]
-    else:
+    if isinstance(found, CycleResult):
         from rollbench.compare.text.solved import duty_cycle_parts
 
-        lines = duty_cycle_parts(found.cycle, solved, found.together, found.tangents, **shown)
-    return CommandOutput(found.to_dict, [*lines, *written], exit_code_of_solutions(solved, solve_options), wrap_always=True)
+        lines = duty_cycle_parts(found, **shown)
+    else:
+        lines = solved_case_parts(found, **shown)
+        lines += [] if found.tangent is None else tangent_stiffness_parts(found.tangent)
+    code = exit_code_of_solutions([*cases.values()], solve_options)
+    return CommandOutput(found.to_dict, [*lines, *written], code, wrap_always=True)
 
 
 def _options_of_load_case(solve_options: SolveOptions, name: str) -> SolveOptions:
@@ -112,26 +111,21 @@ def _options_of_load_case(solve_options: SolveOptions, name: str) -> SolveOption
     return replace(solve_options, matrix=path and path.with_stem(f"{path.stem}-{name}"))
 
 
-def _write_contact_loads(path: Path, solved: Sequence[SceneSolution | ShaftSolution], names: Sequence[str]) -> list[str]:
+def _write_contact_loads(path: Path, cases: Mapping[str, Result]) -> list[str]:
     """Write the ball contact loads of all converged load cases to a CSV file; return a line that names the file.
 
-    ``names``: names of the load cases; empty for a scene without load cases.
+    ``cases``: results of each load case by name; the name is empty for a scene without load cases.
     """
     from rollbench.compare.files import write_csv
-    from rollbench.compare.models.load_cases import SceneSolution
     from rollbench.compare.models.loads_file import load_rows_for_csv
     from rollbench.compare.quantities import count_with_noun
 
     rows = []
-    for one, name in zip(solved, names or [""], strict=True):
-        head = {"case": name} if name else {}
-        sets: list[tuple[dict[str, str], StaticResult]]
-        if isinstance(one, SceneSolution):
-            sets = [({}, one.result)]
-        else:
-            sets = [({"set": str(k)}, s.balls) for k, s in enumerate(one.result.sets, 1) if s.balls is not None]
-        for of_set, balls in sets if one.result.converged else ():
-            rows += [head | of_set | row for row in load_rows_for_csv(balls.load, balls.azimuth, balls.z)]
+    for name, one in cases.items():
+        for k, s in enumerate(one.sets.values(), 1):
+            if s.loads is not None and s.azimuth is not None and s.z is not None:
+                head = ({"case": name} if name else {}) | ({"set": str(k)} if s.name else {})
+                rows += [head | row for row in load_rows_for_csv(s.loads, s.azimuth, s.z)]
     if not rows:
         return []
     write_csv(path, rows)
@@ -165,12 +159,12 @@ def _check_options_for_scene(scene: Scene | Assembly, solve_options: SolveOption
         raise ArgumentError("stiffness_at", solve_options.stiffness_at, allowed, f"state an axial position on the {body}")
 
 
-def exit_code_of_solutions(solved: Sequence[SceneSolution | ShaftSolution], solve_options: SolveOptions) -> int:
+def exit_code_of_solutions(cases: Sequence[Result], solve_options: SolveOptions) -> int:
     """Return exit code 1 if a load case did not converge or, with ``solve_options.strict``, has a warning; otherwise 0."""
     from rollbench.lowfi.warned import join_brief_warnings
 
-    failed = any(one.derived_results is None for one in solved)
-    warned = solve_options.strict and any(join_brief_warnings(one.result.warnings) for one in solved)
+    failed = any(not one.converged for one in cases)
+    warned = solve_options.strict and any(join_brief_warnings(one.solution.warnings) for one in cases)
     return int(failed or warned)
 
 
@@ -209,48 +203,26 @@ def _check_options(solve_options: SolveOptions) -> tuple[str, float]:
         raise ArgumentError("stiffness_at", solve_options.stiffness_at, "a length with its unit", advice) from None
 
 
-def _write_stiffness_matrix(
-    solved_case: SceneSolution | ShaftSolution, tangent: TangentStiffness | None, solve_options: SolveOptions
-) -> list[str]:
+def _write_stiffness_matrix(found: Result, solve_options: SolveOptions) -> list[str]:
     """Write the stiffness matrix of a load case to the file that the user asked for, if any; return a line that names it.
 
-    ``solved_case``: solution of a load case. ``tangent``: its stiffness at the requested axial position. Raises InputError
-    if a degree of freedom of the shaft is fixed at this position, because its stiffness would be infinite.
+    ``found``: results of the load case. Raises InputError if a degree of freedom of the shaft is fixed at the requested
+    position, because its stiffness would be infinite.
     """
     import numpy as np
 
-    from rollbench.compare.models.load_cases import ShaftSolution
-
-    if not solved_case.result.converged:
+    path, K = solve_options.matrix, found.stiffness
+    if path is None or not found.converged:
         return []
-    lines, path, (K, where) = [], solve_options.matrix, _requested_stiffness(solved_case, tangent)
-    if path is not None and isinstance(solved_case, ShaftSolution) and (K is None or not np.isfinite(K).all()):
+    if not found.only and (K is None or not np.isfinite(K).all()):
         advice = "choose an axial position at which no degree of freedom of the shaft is fixed"
         allowed = "only if the shaft has no fixed degree of freedom there, whose stiffness would be infinite"
         raise ArgumentError("matrix", str(path), allowed, advice)
-    if path is not None and K is not None:
-        title = f"tangent stiffness of {solved_case.scene.name}, model {solved_case.result.model}, {where}"
-        write_matrix_file(path, K, title)
-        lines.append(f"wrote {path}: the symmetric stiffness matrix in N, m and rad")
-    return lines
-
-
-def _requested_stiffness(
-    solved_case: SceneSolution | ShaftSolution, tangent: TangentStiffness | None
-) -> tuple[Array | None, str]:
-    """Return the stiffness matrix (6, 6) [N, m, rad] that the user asked for, and where it applies as text.
-
-    ``solved_case``: solution of a load case. ``tangent``: stiffness at the requested axial position, for a scene with a
-    single nut or bearing; not used for a shaft with several, whose solution contains the stiffness. The text names this
-    position and the parts that are held fixed. The matrix is None if it was not computed.
-    """
-    from rollbench.compare.models.load_cases import ShaftSolution
-
-    if isinstance(solved_case, ShaftSolution):
-        return solved_case.result.stiffness, f"at {solved_case.result.stiffness_at}, with the supports of the scene fixed"
-    if tangent is None or tangent.status != "converged":
-        return None, ""
-    return tangent.matrix, f"of the screw's cross-section at {1e3 * tangent.station:.6g} mm, with the nut fixed"
+    if K is None:
+        return []
+    title = f"tangent stiffness of {found.scene}, model {found.model}, {found.place_of_stiffness}"
+    write_matrix_file(path, K, title)
+    return [f"wrote {path}: the symmetric stiffness matrix in N, m and rad"]
 
 
 @app.command

@@ -226,7 +226,7 @@ class WholeScrewEvaluation:
             return "the scene has no [friction]" if self.scene.friction is None else "the friction model finds no torque"
         if quantity is LIFE:
             found = results_of_contact_loads(self.scene, ref.load, np.radians(ref.best.angle))
-            return found.words or "no contact carries load"
+            return found.rating_refused or "no contact carries load"
         if ref.stated:
             return f"{ref.label} states no value of it"
         return "the screw does not move in the direction of its load"

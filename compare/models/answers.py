@@ -1,4 +1,4 @@
-"""Results of a solved scene: pressure, safety, life, rigidity, preload and friction, for one bearing row or nut or several.
+"""Functions that compute the results of a nut or bearing: pressure, safety, life, rigidity, preload and friction.
 
 The module also warns where a result is outside the range of validity of the models, and where the supports fix a
 deep-groove bearing near one end of its axial play.
@@ -6,10 +6,9 @@ deep-groove bearing near one end of its axial play.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from math import degrees, sin
-from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -17,17 +16,21 @@ from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
 from rollbench.compare.measure import mean_load
 from rollbench.compare.models import loading
 from rollbench.compare.models.registry import MODELS, ModelOptions, read_condensed_bodies, run_model, scene_key_of_error
-from rollbench.compare.models.stiffness import NutStiffness, SceneStiffness, place_of_displacement, stiffness_of_scene
+from rollbench.compare.models.set_results import SetResult, clearance_of_deep_groove
+from rollbench.compare.models.stiffness import NutStiffness
 from rollbench.lowfi.bearings import torque as bearings_torque
-from rollbench.lowfi.bearings.tapered_roller import RibContact, rib_contact
+from rollbench.lowfi.bearings.tapered_roller import rib_contact
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.rating import contacts, iso_lives, life, roller_life
-from rollbench.lowfi.rating.catalogue_checks import ShaftLimits, shaft_limits
+from rollbench.lowfi.rating.catalogue_checks import shaft_limits
+from rollbench.lowfi.rating.contacts import WorstContact
 from rollbench.lowfi.rating.displacement import motion_at
-from rollbench.lowfi.rating.iso_lives import ModifiedLife, modified_life
-from rollbench.lowfi.rating.life import BasicRatingLife, dynamic_rating
-from rollbench.lowfi.rating.rigidity import AxialRigidities, axial_force, three_axial_rigidities
-from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
+from rollbench.lowfi.rating.iso_lives import modified_life
+from rollbench.lowfi.rating.life import Life, dynamic_rating
+from rollbench.lowfi.rating.rigidity import axial_force, three_axial_rigidities
+from rollbench.lowfi.statics.nominal import count_nominal_contacts
+from rollbench.lowfi.statics.result import AxisResult, StaticResult
+from rollbench.lowfi.statics.result import SetResult as SetOnShaft
 from rollbench.lowfi.statics.tangent import TangentStiffness, tangent_stiffness
 from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes import one_arc
@@ -35,30 +38,10 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import Load, Lubricant, Scene
-from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
+from rollbench.meshes.parts import Load, Lubricant, Motion, Scene
 
 #: Distance of a ring from the middle of its axial play, over half the play, from which on it counts as at the end [1].
 AT_END = 0.9
-
-
-def clearance_of_deep_groove(parts: Scene, thrust: str = "deep groove") -> one_arc.InternalClearance | None:
-    """Return the clearance of a deep-groove ball bearing row; None for other rows and for rows without play.
-
-    Parameters
-    ----------
-    parts
-        Bearing row as a scene.
-    thrust
-        Direction of the axial force that the row can carry: "+z", "-z", "both", or "deep groove" (both directions).
-
-    Returns
-    -------
-    InternalClearance or None
-        Axial and radial play [m], and the contact angle at the end of the play [rad].
-    """
-    found = one_arc.internal_clearance(parts) if thrust == "deep groove" else None
-    return found if found is not None and found.axial > 0.0 else None
 
 
 def axial_play_warnings(scene: Scene | Assembly) -> Iterator[ResultWarning]:
@@ -113,110 +96,6 @@ TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source
 #: that the groove radius was divided by the ball's radius instead.
 WIDEST = 0.6
 
-#: Life that follows from the loads of all contacts: L10 of a nut, L10r of a bearing.
-LifeByLoads: TypeAlias = BasicRatingLife | iso_lives.ReferenceLife
-
-#: Definition of the reason why there is no life L10.
-WHY_NO_LIFE = "why there is no life L10: what ISO 281 does not cover, or that the rings do not turn; null if there is one"
-
-
-@result_record
-class ContactLoadResults:
-    """Pressure, static safety, rating life and load ratings of a ball nut or ball bearing, from its contact loads.
-
-    The contact loads stem from a low-order model or from the 3D reference. Fields are None if no contact carries load.
-    """
-
-    #: Contact with the highest pressure.
-    worst_contact: contacts.BallContact | None = quantity_field("worst_contact")
-    #: Static safety of the contact with the highest pressure.
-    safety: contacts.StaticSafety | None = quantity_field("static_safety")
-    #: Contact ellipse that comes closest to the edge of its groove.
-    truncation: contacts.EllipseTruncation | None = quantity_field("truncation")
-    #: Basic rating life L10: of a nut under the contact loads, of a bearing by ISO 281; ``life_words`` says why it is None.
-    life: BasicRatingLife | None = quantity_field("life")
-    #: Dynamic and static load ratings.
-    ratings: contacts.Ratings | None = quantity_field("ratings")
-    words: str = quantity_field(
-        "rating_refused", "why no life and no load ratings can be computed", show=lambda words: words or None, default=""
-    )
-    #: Life modified for reliability, lubricant and contamination.
-    modified: ModifiedLife | None = quantity_field("modified_life", default=None)
-    #: Life of a ball bearing by ISO/TS 16281; None for ball nuts.
-    reference: iso_lives.ReferenceLife | None = quantity_field("reference_life", default=None)
-    life_words: str = quantity_field("life_words", WHY_NO_LIFE, show=lambda words: words or None, default="")
-
-    @property
-    def life_by_loads(self) -> LifeByLoads | None:
-        """Life that follows from the contact loads: L10 of a nut, L10r of a bearing; None if it is not known."""
-        return self.life if self.reference is None else self.reference
-
-
-@result_record
-class RollerLoadResults:
-    """Pressure, static safety, rating life and friction torque of a row of rollers, from its line loads.
-
-    Fields are None if no roller carries load.
-    """
-
-    #: Line contact with the highest pressure.
-    worst_contact: contacts.RollerContact | None = quantity_field("worst_contact")
-    #: Static safety of the line contact with the highest pressure.
-    safety: contacts.StaticSafety | None = quantity_field("static_safety")
-    #: Contact of the most loaded roller with the rib of its ring.
-    rib_contact: RibContact | None = quantity_field("rib_contact")
-    #: Basic rating life L10 by ISO 281; if None, ``life_words`` may say why.
-    life: BasicRatingLife | None = quantity_field("life")
-    #: Dynamic and static load ratings.
-    ratings: contacts.Ratings = quantity_field("ratings")
-    #: Friction torque of the row, while it runs and when it starts.
-    torque: bearings_torque.RollerBearingTorque | None = quantity_field("roller_torque")
-    #: Life of the bearing by ISO/TS 16281.
-    reference: iso_lives.ReferenceLife | None = quantity_field("reference_life")
-    life_words: str = quantity_field("life_words", WHY_NO_LIFE, show=lambda words: words or None, default="")
-
-    @property
-    def life_by_loads(self) -> LifeByLoads | None:
-        """Life L10r, which follows from the line loads; None if it is not known."""
-        return self.reference
-
-
-#: Results from the contact loads of a nut or bearing row with balls, or from the line loads of a row of rollers.
-LoadResults: TypeAlias = ContactLoadResults | RollerLoadResults
-
-
-@dataclass(frozen=True)
-class SceneResults:
-    """All results of a low-order model for a scene with one nut or bearing row."""
-
-    #: Pressure, static safety, life and load ratings that follow from the contact loads.
-    load_results: ContactLoadResults
-    #: Axial force of the screw on the nut [N].
-    axial_force: float
-    #: Displacement and stiffness of the nut or bearing, and of the point on which the load acts.
-    stiffness: SceneStiffness
-    #: Displacement of the screw's section on which the load acts from its unloaded position, (6,) [m, rad]; from the
-    #: nominal position if nothing fixes the unloaded screw.
-    displacement: Array
-    #: Axial rigidity by several definitions; None without axial force.
-    rigidities: AxialRigidities | None
-    #: Contact loads that remain when the loads of the scene are removed.
-    preload: loading.Preload | None
-    #: External load at which the first preloaded contact opens; None without preload.
-    lift_off: loading.LiftOff | None
-    #: Friction torques and efficiencies as JSON values; None if not computed.
-    friction: dict[str, Any] | None
-    #: Why the friction torques are not computed; empty if they are.
-    friction_words: str
-    #: How the supports and the contacts share the loads of the scene; None without loads.
-    load_path: loading.LoadPath | None = None
-    #: Axial secant stiffness over the load step that the scene states [N/m]; only the model of Liu et al. computes it.
-    load_step_stiffness: float | None = None
-    #: Buckling load, critical speed and DN value of the screw.
-    shaft_limits: ShaftLimits | None = None
-    #: Friction torque of a bearing by Palmgren's formulas.
-    bearing_torque: bearings_torque.BallBearingTorque | None = None
-
 
 def results_of_contact_loads(
     scene: Scene,
@@ -225,8 +104,10 @@ def results_of_contact_loads(
     member: int = 0,
     pressure: Array | None = None,
     turning: life.TurningRing | None = None,
-) -> ContactLoadResults:
-    """Compute pressure, static safety, rating life and load ratings from contact loads.
+    speed: float | None = None,
+    name: str = "",
+) -> SetResult:
+    """Compute pressure, static safety, rating life and load ratings of a nut or ball bearing from its contact loads.
 
     Parameters
     ----------
@@ -242,15 +123,19 @@ def results_of_contact_loads(
         Largest pressure of each contact, (n, 4) [Pa]; None: computed from the loads by Hertz.
     turning
         Ring that turns, of a bearing on a shaft with several; None: as the scene's table [motion] says.
+    speed
+        Speed of the rotating part [rad/s], for the life in hours; None: not known.
+    name
+        Name of the nut or bearing; empty if the scene has only one.
 
     Returns
     -------
-    ContactLoadResults
-        Pressure, static safety, rating life and load ratings.
+    SetResult
+        Results with pressure, static safety, rating life and load ratings only.
     """
     drawn = draw_geometry_with_errors(scene, ball_layout(scene), member)
     words, ring = "", life.turning_ring(scene) if turning is None else turning
-    rated_life: BasicRatingLife | None = None
+    rated_life: Life | None = None
     reach: contacts.EllipseTruncation | None = None
     rated: contacts.Ratings | None = None
     try:
@@ -260,15 +145,25 @@ def results_of_contact_loads(
     except ValueError as error:
         words = str(error)
     worst = contacts.contact_of_highest_pressure(scene, drawn, load, angle, pressure)
-    safety = None if worst is None else contacts.static_safety(scene, drawn, worst)
     modified, basic = modified_life(scene, rated_life), iso_lives.ball_reference_life(scene, rated_life, ring)
     why = ""
     if scene.track.lead == 0.0:
         rated_life, why = _bearing_life(scene, load, angle, ring) if not words else (None, "")
-    return ContactLoadResults(worst, safety, reach, rated_life, rated, words, modified, basic, why)
+    return SetResult(
+        name=name,
+        parts=scene,
+        worst=worst and replace(worst, set=name),
+        truncation=reach,
+        life=rated_life and replace(rated_life, speed=speed),
+        ratings=rated,
+        rating_refused=words,
+        modified_life=modified,
+        reference_life=basic and replace(basic, speed=speed),
+        life_words=why,
+    )
 
 
-def _bearing_life(scene: Scene, load: Array, angle: Array, turning: life.TurningRing) -> tuple[BasicRatingLife | None, str]:
+def _bearing_life(scene: Scene, load: Array, angle: Array, turning: life.TurningRing) -> tuple[Life | None, str]:
     """Return the life L10 of a ball bearing by ISO 281, and why there is none.
 
     The arguments are those of `results_of_contact_loads`.
@@ -365,17 +260,21 @@ def motion_of_unloaded_screw(unloaded: StaticResult, at: float | str) -> Array:
     return motion_at(unloaded, at) if held else np.zeros(6)
 
 
-def compute_scene_results(scene: Scene, result: StaticResult, model: str, options: ModelOptions) -> SceneResults:
-    """Compute all results that follow from a converged solution, such as life, rigidity, preload and lift-off load.
+def results_of_single(
+    scene: Scene, result: StaticResult, bare: StaticResult, stiffness: NutStiffness, model: str, options: ModelOptions
+) -> SetResult:
+    """Compute all results of the only nut or bearing of a scene, such as life, rigidity, preload and lift-off load.
 
-    Preload and lift-off load (the load at which the first preloaded contact opens) need further solutions of the scene.
+    The lift-off load (the load at which the first preloaded contact opens) needs further solutions of the scene.
 
     Parameters
     ----------
     scene
         Scene with one nut or bearing row.
-    result
-        Converged result of the scene.
+    result, bare
+        Converged result of the scene, and its result without loads.
+    stiffness
+        Displacement and stiffness of the nut or bearing.
     model
         Name of the model.
     options
@@ -383,40 +282,49 @@ def compute_scene_results(scene: Scene, result: StaticResult, model: str, option
 
     Returns
     -------
-    SceneResults
-        Stiffness, preload, lift-off load, friction, load path, and all results that follow from the contact loads.
+    SetResult
+        The results.
     """
-    bare = loading.solve_with_scaled_loads(scene, 0.0, model, options)
     held = loading.preload_from_unloaded(scene, bare) if bare.converged else None
-    force = axial_force(result)
-    stiffness = stiffness_of_scene(scene, result, bare, model, options)
     try:
-        three = three_axial_rigidities(scene, force, stiffness.nut.displacement)
+        three = three_axial_rigidities(scene, axial_force(result), stiffness.displacement)
     except ValueError:
         three = None
-    lift = loading.find_lift_off_load(scene, result, bare, model, options) if held is not None else None
     friction, words = None, "no coefficient of friction given; rollbench friction takes 0.1"
     if scene.friction is not None:
         from rollbench.compare.models.friction_sums import friction_results_of_scenes  # heavy import
 
         ((friction, words),) = friction_results_of_scenes([(scene, scene.friction, result)], options.member)
-    at = place_of_displacement(scene)
-    moved = motion_at(result, at) - motion_of_unloaded_screw(bare, at)
-    loads = results_of_contact_loads(scene, result.load, result.contact_angle, result.member, result.pressure)
-    path = loading.load_path_of_scene(scene, result, bare)
-    step, stepped = scene.ingredients.load_step, None
-    if model == "liu" and step is not None:
-        from rollbench.lowfi.statics.liu import nut_as_spring_row  # heavy import, needed for this model only
-
-        stepped = nut_as_spring_row(scene, member=options.member).stiffness(step)
-    shaft = shaft_limits(scene, result)
+    speed = None if scene.motion is None else scene.motion.speed
+    found = results_of_contact_loads(scene, result.load, result.contact_angle, result.member, result.pressure, speed=speed)
     on_ring = np.zeros(3) if result.equilibrium is None else result.equilibrium.contact_force
-    torque = bearing_friction_torque(scene, scene, "deep groove", result, on_ring, loads)
-    return SceneResults(loads, force, stiffness, moved, three, held, lift, friction, words, path, stepped, shaft, torque)
+    return replace(
+        found,
+        balls=result,
+        nominal_contacts=count_nominal_contacts(scene, result),
+        nut=stiffness,
+        rigidities=three,
+        preload=held,
+        lift_off=None if held is None else loading.find_lift_off_load(scene, result, bare, model, options),
+        friction=friction,
+        friction_words=words,
+        shaft=shaft_limits(scene, result),
+        bearing_torque=bearing_friction_torque(scene, scene, "deep groove", result, on_ring, found.worst),
+    )
+
+
+def load_step_stiffness(scene: Scene, model: str, options: ModelOptions) -> float | None:
+    """Return the axial secant stiffness [N/m] over the load step that a scene states; None for other models than liu."""
+    step = scene.ingredients.load_step
+    if model != "liu" or step is None:
+        return None
+    from rollbench.lowfi.statics.liu import nut_as_spring_row  # heavy import, needed for this model only
+
+    return nut_as_spring_row(scene, member=options.member).stiffness(step)
 
 
 def bearing_friction_torque(
-    scene: Scene | Assembly, parts: Scene, thrust: str, balls: StaticResult, force: Array, load_results: ContactLoadResults
+    scene: Scene | Assembly, parts: Scene, thrust: str, balls: StaticResult, force: Array, worst: WorstContact | None
 ) -> bearings_torque.BallBearingTorque | None:
     """Compute the friction torque of a ball bearing by Palmgren's formulas.
 
@@ -433,15 +341,15 @@ def bearing_friction_torque(
         Solution with the contact loads and angles of the row.
     force
         Force (x, y, z) between shaft and row, (3,) [N]; only its radial part is used.
-    load_results
-        Results from these contact loads, of which the static safety is used.
+    worst
+        Contact with the highest pressure, whose static safety is used; None: no contact is loaded.
 
     Returns
     -------
     BallBearingTorque or None
         The torque; None for ball-screw nuts and for unloaded rows.
     """
-    if parts.track.lead or load_results.safety is None:
+    if parts.track.lead or worst is None:
         return None
     kind: bearings_torque.Kind = "deep groove" if thrust == "deep groove" else "angular contact"
     if not one_arc.has_single_arc_grooves(parts):
@@ -454,7 +362,7 @@ def bearing_friction_torque(
         ends = bearings_torque.VISCOUS[kind][oil.supply] if oil.factor is None else (oil.factor, oil.factor)
         low, high = (bearings_torque.load_independent_torque(f, pitch, oil.viscosity, motion.speed) for f in ends)
         viscous = low, high
-    share = 1.0 / load_results.safety.factor
+    share = 1.0 / worst.safety
     radial = float(np.hypot(force[0], force[1]))
     return bearings_torque.ball_bearing_torque(kind, parts.track.contact_angle, pitch, (along, radial, share), viscous)
 
@@ -463,10 +371,11 @@ def results_of_roller_loads(
     row: RollerRow,
     line_loads: Array,
     force: Array,
-    speed: float | None,
+    motion: Motion | None,
     lubricant: Lubricant | None,
     turning: life.TurningRing,
-) -> RollerLoadResults:
+    name: str,
+) -> SetResult:
     """Compute pressure, safety, life and friction torque from the line loads of a row of rollers.
 
     Parameters
@@ -477,32 +386,36 @@ def results_of_roller_loads(
         Load per length of each slice of each roller, (rollers, slices) [N/m].
     force
         Force (x, y, z) between shaft and row, (3,) [N].
-    speed
-        Relative speed of the rings [rad/s]; None: not known.
+    motion
+        Motion of the shaft or its nuts; None: not known.
     lubricant
         Lubricant of the scene; None: the viscous part of the torque is not computed.
     turning
         Ring that turns.
+    name
+        Name of the row.
 
     Returns
     -------
-    RollerLoadResults
-        Pressure, static safety, contact of the rollers with the rib, life, load ratings and friction torque.
+    SetResult
+        Results with pressure, static safety, contact of the rollers with the rib, life, load ratings and friction torque.
     """
-    worst, rated = (
-        contacts.roller_contact_of_highest_pressure(row, line_loads),
-        roller_life.dynamic_and_static_ratings_of_row(row),
-    )
+    rated, speed = roller_life.dynamic_and_static_ratings_of_row(row), None if motion is None else motion.speed
     maker, stands = row.rating.static, turning == "none"
-    return RollerLoadResults(
-        worst,
-        None if worst is None else contacts.roller_static_safety(worst, None if maker is None else maker / rated.static),
-        rib_contact(row, line_loads.mean(axis=1) * row.length),
-        None if stands else roller_life.life_of_row_by_equivalent_loads(row, [1.0], [force]),
-        rated,
-        bearings_torque.roller_bearing_torque(row, line_loads, speed, lubricant),
-        iso_lives.roller_reference_life(row, line_loads, turning),
-        life.RINGS_STAND if stands else "",
+    worst = contacts.roller_contact_of_highest_pressure(row, line_loads, None if maker is None else maker / rated.static)
+    basic = None if stands else roller_life.life_of_row_by_equivalent_loads(row, [1.0], [force])
+    reference = iso_lives.roller_reference_life(row, line_loads, turning)
+    rubbing = speed if motion is not None and motion.turns == "screw" else None
+    return SetResult(
+        name=name,
+        parts=row,
+        worst=worst and replace(worst, set=name),
+        rib=rib_contact(row, line_loads.mean(axis=1) * row.length),
+        life=basic and replace(basic, speed=speed),
+        ratings=rated,
+        torque=bearings_torque.roller_bearing_torque(row, line_loads, rubbing, lubricant),
+        reference_life=reference and replace(reference, speed=speed),
+        life_words=life.RINGS_STAND if stands else "",
     )
 
 
@@ -528,15 +441,13 @@ def _conformity_warnings(scene: Scene) -> Iterator[ResultWarning]:
         yield ResultWarning("conformity", text, text)
 
 
-def validity_warnings(parts: Scene | RollerRow, load_results: LoadResults, preload: float) -> Iterator[ResultWarning]:
+def validity_warnings(found: SetResult, preload: float) -> Iterator[ResultWarning]:
     """Yield warnings for results outside the range of validity of the models.
 
     Parameters
     ----------
-    parts
-        Geometry and materials of the nut or bearing row.
-    load_results
-        Pressure, static safety and life of the nut or row.
+    found
+        Results of the nut or row.
     preload
         Axial preload [N].
 
@@ -545,17 +456,18 @@ def validity_warnings(parts: Scene | RollerRow, load_results: LoadResults, prelo
     ResultWarning
         Warning for a too wide groove, for a static safety below 1, or for a preload above the dynamic load rating.
     """
+    parts = found.parts
     if isinstance(parts, Scene):
         yield from _conformity_warnings(parts)
-    if load_results.safety is not None and load_results.safety.factor < 1.0:
-        factor = f"{load_results.safety.factor:.3g}"
+    if found.worst is not None and found.worst.safety < 1.0:
+        factor = f"{found.worst.safety:.3g}"
         words = "the contact leaves a permanent dent in hardened steel, which life and friction do not take into account"
         yield ResultWarning("safety", f"static safety of {factor}, below 1: {words}", f"static safety {factor}, below 1")
     if isinstance(parts, RollerRow):
         return
     try:
         C = dynamic_rating(parts)
-    except ValueError:  # the reason is in ContactLoadResults.words
+    except ValueError:  # the reason is in SetResult.rating_refused
         return
     if preload > C:
         words = "the preload alone determines the life; catalogues limit it to 8 % of the rating"
@@ -566,69 +478,12 @@ def validity_warnings(parts: Scene | RollerRow, load_results: LoadResults, prelo
 # --- several nuts or bearing rows on one shaft
 
 
-@dataclass(frozen=True)
-class NutOrBearingResults:
-    """Results that follow from the contact loads of one of several nuts or bearing rows on a shaft."""
+def load_paths_by_body(
+    assembly: Assembly, result: AxisResult, path: loading.LoadPath | None
+) -> tuple[loading.LoadPath, ...]:
+    """Return for each loaded body (shaft or housing) how supports and contacts share the loads on this body.
 
-    #: Name of the nut or row.
-    name: str
-    #: Geometry and materials of the nut or row.
-    parts: Scene | RollerRow
-    #: Pressure, safety, life and ratings of the nut or row.
-    load_results: LoadResults
-    #: Contact loads, and axial force on the shaft, that remain without the scene's loads; None: no equilibrium without
-    #: them.
-    preload: loading.Preload | None
-    #: Displacement and stiffness of the nut or row, without the shaft.
-    stiffness: NutStiffness
-    #: Friction torque of a loaded ball bearing.
-    friction_torque: bearings_torque.BallBearingTorque | None = None
-
-
-@dataclass(frozen=True)
-class ShaftResults:
-    """Results of a low-order model for a shaft with several nuts or bearing rows."""
-
-    #: Results of each nut or row.
-    set_results: tuple[NutOrBearingResults, ...]
-    #: Sum of the axial loads on shaft and housings [N].
-    axial_load: float
-    #: Displacement and stiffness of the nuts or bearings, and of the point on which the load acts.
-    stiffness: SceneStiffness
-    #: Displacement, from its unloaded position, of the shaft's section or housing on which the load acts, (6,) [m, rad];
-    #: None if the unloaded shaft has no equilibrium.
-    displacement: Array | None
-    #: How the supports and the contacts share the loads on all bodies; None without loads.
-    load_path: loading.LoadPath | None = None
-    #: For each loaded body (the shaft or a housing), how supports and contacts share the loads on this body alone.
-    #: ``load_path``, which is for all loads together, may hide that the frame carries the whole load on one body.
-    load_paths_by_body: tuple[loading.LoadPath, ...] = ()
-
-    @property
-    def set_indices_by_pressure(self) -> list[int]:
-        """Indices (from 0) of the loaded nuts or bearing rows, by decreasing ratio of highest to allowed pressure."""
-        found = [x.load_results for x in self.set_results]
-        shares = {
-            i: x.worst_contact.pressure / x.safety.allowed_pressure
-            for i, x in enumerate(found)
-            if x.worst_contact and x.safety
-        }
-        return sorted(shares, key=lambda i: -shares[i])
-
-    @property
-    @QuantityDescription(
-        "worst_set", "nut or bearing row whose highest pressure is the largest share of its allowed pressure"
-    )
-    def worst_set(self) -> int | None:
-        """Number (from 1) of the nut or row with the largest ratio of highest to allowed pressure; None without load."""
-        return next((i + 1 for i in self.set_indices_by_pressure), None)
-
-
-def compute_shaft_results(assembly: Assembly, result: AxisResult) -> ShaftResults:
-    """Compute all results that follow from a converged solution of a shaft with several nuts or bearing rows.
-
-    The shaft is solved once more without loads, and, if several bodies are loaded, once for each of them without
-    the loads on this body.
+    The path for all loads together may hide that the frame carries the whole load on one body.
 
     Parameters
     ----------
@@ -636,31 +491,13 @@ def compute_shaft_results(assembly: Assembly, result: AxisResult) -> ShaftResult
         Shaft with several nuts or bearing rows.
     result
         Converged result of the assembly.
+    path
+        How supports and contacts share all loads, returned alone if only one body is loaded.
 
     Returns
     -------
-    ShaftResults
-        The results.
-    """
-    bare = run_model(loading.with_scaled_loads(assembly, 0.0), result.model, ModelOptions(member=result.member))
-    unloaded: Sequence[SetResult | None] = [None] * len(result.sets)
-    moved = None
-    if bare.converged:
-        unloaded, at = bare.sets, place_of_displacement(assembly)
-        moved = motion_at(result, at) - motion_at(bare, at)
-    stiffness = stiffness_of_scene(assembly, result, bare, result.model, ModelOptions(member=result.member))
-    each = zip(result.sets, unloaded, stiffness.sets, strict=True)
-    sets = tuple(_results_of_set(assembly, *one, result.member) for one in each)
-    path, axial = loading.load_path_of_assembly(assembly, result, bare), loading.sum_of_axial_loads(assembly)
-    return ShaftResults(sets, axial, stiffness, moved, path, _paths_by_body(assembly, result, path))
-
-
-def _paths_by_body(assembly: Assembly, result: AxisResult, path: loading.LoadPath | None) -> tuple[loading.LoadPath, ...]:
-    """Return for each loaded body (shaft or housing) how supports and contacts share the loads on this body.
-
-    The shares are the changes of the reactions when the loads on the body are removed. ``result``: solution of the assembly
-    under all loads; ``path``: how supports and contacts share all loads, returned alone if only one body is loaded. The
-    tuple is empty without loads.
+    tuple
+        The paths, from the changes of the reactions when the loads on a body are removed; empty without loads.
     """
     bodies, options = loading.assemblies_by_loaded_body(assembly), ModelOptions(member=result.member)
     if len(bodies) < 2:
@@ -670,68 +507,49 @@ def _paths_by_body(assembly: Assembly, result: AxisResult, path: loading.LoadPat
     return tuple(x for x in found if x is not None)
 
 
-def solve_assembly_with_results(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisResult, ShaftResults | None]:
-    """Solve a shaft with several nuts or bearing rows, and compute all results and warnings.
+def results_of_set(
+    assembly: Assembly, s: SetOnShaft, unloaded: SetOnShaft | None, stiffness: NutStiffness, member: int
+) -> SetResult:
+    """Compute pressure, safety, life, preload and friction torque of one nut or bearing row on a shaft.
 
     Parameters
     ----------
     assembly
         Shaft with several nuts or bearing rows.
-    model
-        Name of the model.
+    s, unloaded
+        Solution of the row under the scene's loads, and without these loads; None if the unloaded shaft has no equilibrium.
+    stiffness
+        Displacement and stiffness of the row.
     member
-        Number of the random draw of the geometric errors, from 0; 0 without random errors.
+        Number of the random draw of the geometric errors, from 0.
 
     Returns
     -------
-    AxisResult
-        The solution, with its warnings.
-    ShaftResults or None
-        Results that follow from the solution; None without equilibrium.
-
-    Raises
-    ------
-    InputError
-        If the model does not cover the assembly.
+    SetResult
+        The results.
     """
-    result = run_model(assembly, model, ModelOptions(member=member))
-    if not result.converged:
-        return result, None
-    answers = compute_shaft_results(assembly, result)
-    warned = (
-        w.with_part_name(x.name)
-        for x in answers.set_results
-        for w in validity_warnings(x.parts, x.load_results, loading.absolute_axial_preload(x.preload))
-    )
-    held = (w for path in answers.load_paths_by_body for w in loading.load_path_warnings(path))
-    lost = loading.lost_preload_warnings(assembly, result, [x.preload for x in answers.set_results])
-    further = (*warned, *held, *lost, *axial_play_warnings(assembly))
-    return replace(result, warnings=(*result.warnings, *further)), answers
-
-
-def _results_of_set(
-    assembly: Assembly, s: SetResult, unloaded: SetResult | None, stiffness: NutStiffness, member: int
-) -> NutOrBearingResults:
-    """Return pressure, safety, life, preload and friction torque of one nut or bearing row on a shaft.
-
-    ``s``: solution of the row under the scene's loads; ``unloaded``: solution of the row without these loads; None if the
-    unloaded shaft has no equilibrium; ``stiffness``: of the row; ``member``: number of the random draw of the geometric
-    errors, from 0.
-    """
-    parts, torque, preload = s.of.parts, None, None
-    answers: LoadResults
-    turning = life.turning_ring(assembly, s.of)
+    parts, turning, preload = s.of.parts, life.turning_ring(assembly, s.of), None
     if isinstance(parts, RollerRow):
         assert s.line_loads is not None, "a row of rollers has line loads"
-        speed = assembly.motion.speed if assembly.motion is not None and assembly.motion.turns == "screw" else None
-        answers = results_of_roller_loads(parts, s.line_loads, s.force, speed, assembly.lubricant, turning)
+        found = results_of_roller_loads(
+            parts, s.line_loads, s.force, assembly.motion, assembly.lubricant, turning, s.of.name
+        )
     else:
         assert s.balls is not None, "a set of balls has contacts"
-        loaded, found = parts_under_loads(assembly, parts), s.balls
-        answers = results_of_contact_loads(loaded, found.load, found.contact_angle, member, None, turning)
-        torque = bearing_friction_torque(assembly, parts, s.of.thrust, s.balls, s.force, answers)
+        speed = None if assembly.motion is None else assembly.motion.speed
+        loaded, load, angle = parts_under_loads(assembly, parts), s.balls.load, s.balls.contact_angle
+        found = results_of_contact_loads(loaded, load, angle, member, None, turning, speed, s.of.name)
+        torque = bearing_friction_torque(assembly, parts, s.of.thrust, s.balls, s.force, found.worst)
+        found = replace(found, parts=parts, bearing_torque=torque)
     if unloaded is not None:
         loads = unloaded.loads[unloaded.loads > 0.0]
         mean = mean_load(loads) if loads.size else 0.0
         preload = loading.Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(unloaded.force[2]))
-    return NutOrBearingResults(s.of.name, parts, answers, preload, stiffness, torque)
+    return replace(found, balls=s.balls, on_shaft=s, nut=stiffness, preload=preload)
+
+
+def names_by_pressure(sets: Mapping[str, SetResult]) -> list[str]:
+    """Return the names of the loaded nuts or bearing rows, by decreasing ratio of highest to allowed pressure."""
+    worst = {name: s.worst for name, s in sets.items()}
+    shares = {name: w.pressure / w.static_safety.allowed_pressure for name, w in worst.items() if w is not None}
+    return sorted(shares, key=lambda name: -shares[name])

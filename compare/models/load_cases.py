@@ -1,4 +1,4 @@
-"""Solutions of scenes with all their results, motor torques of a feed axis, and lives over a duty cycle."""
+"""Motor torques of a feed axis, and extremes and lives over the load cases of a duty cycle."""
 
 from __future__ import annotations
 
@@ -9,18 +9,17 @@ from typing import Any, Protocol
 import numpy as np
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models import answers as models_answers
-from rollbench.compare.models.loading import absolute_axial_preload, load_path_warnings
-from rollbench.compare.models.model_form import ExpectedModelErrors, estimate_double_nut_error, estimate_model_error
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.answers import parts_under_loads
+from rollbench.compare.models.loading import absolute_axial_preload
+from rollbench.compare.models.model_form import ExpectedError
+from rollbench.compare.models.set_results import LifeByLoads, SetResult
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.lowfi.bearings.axis import DriveTorqueParts, acceleration_torque, reflected_inertia, screw_inertia
-from rollbench.lowfi.bearings.torque import BallBearingTorque, Band, roller_bearing_torque
+from rollbench.lowfi.bearings.torque import Band, roller_bearing_torque
 from rollbench.lowfi.rating import iso_lives, roller_life
 from rollbench.lowfi.rating import life as rating_life
-from rollbench.lowfi.rating.catalogue_checks import warn_of_overall_friction_coefficient
 from rollbench.lowfi.rating.iso_lives import ModifiedLife, modified_life
-from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
+from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Scene
@@ -30,9 +29,6 @@ from rollbench.meshes.quantity import QuantityDescription, quantity_field, resul
 EFFICIENCY: Band = (0.90, 0.95)
 #: Reason why the running torque of a bearing is not known.
 NOT_RUNNING = "the running torque of a bearing needs the tables [lubricant] and [motion]"
-#: By the number of each nut on the shaft, from 0: its friction torques and efficiencies as JSON values, or None; and the
-#: reason why they are not known, else empty.
-NutSums = Mapping[int, tuple[dict[str, Any] | None, str]]
 
 
 @result_record
@@ -108,37 +104,39 @@ class AxisDrive:
     )
 
 
-def friction_of_nuts(assembly: Assembly, result: AxisResult) -> NutSums:
-    """Return the friction torques and efficiencies of every nut on a shaft, or the reason why they are not known.
+def with_friction_of_nuts(assembly: Assembly, sets: Mapping[str, SetResult], member: int) -> dict[str, SetResult]:
+    """Return the results of all nuts and bearings on a shaft, with the friction torques and efficiencies of every nut.
 
     Parameters
     ----------
     assembly
         Shaft with several nuts or bearing rows.
-    result
-        Converged result of the assembly.
+    sets
+        Results of each nut or bearing row, by name.
+    member
+        Number of the random draw of the geometric errors, from 0.
 
     Returns
     -------
     dict
-        For the number (from 0) of each nut: its friction results as JSON values, or None and the reason.
+        The results by name; of nuts with ``friction``, or ``friction_words`` with the reason why there is none.
     """
     nuts = {
-        i: (replace(s.of.parts, friction=assembly.friction, motion=assembly.motion), s.balls)
-        for i, s in enumerate(result.sets)
-        if isinstance(s.of.parts, Scene) and s.of.parts.track.lead and s.balls is not None
+        name: (replace(s.parts, friction=assembly.friction, motion=assembly.motion), s.balls)
+        for name, s in sets.items()
+        if isinstance(s.parts, Scene) and s.parts.track.lead and s.balls is not None
     }
-    if assembly.friction is None:
-        return dict.fromkeys(nuts, (None, "no coefficient in [friction]"))
-    from rollbench.compare.models.friction_sums import friction_results_of_scenes  # heavy import
+    found: list[tuple[dict[str, Any] | None, str]] = [(None, "no coefficient in [friction]")] * len(nuts)
+    if assembly.friction is not None:
+        from rollbench.compare.models.friction_sums import friction_results_of_scenes  # heavy import
 
-    solved = [(parts, assembly.friction, balls) for parts, balls in nuts.values()]
-    return dict(zip(nuts, friction_results_of_scenes(solved, result.member), strict=True))
+        solved = [(parts, assembly.friction, balls) for parts, balls in nuts.values()]
+        found = friction_results_of_scenes(solved, member)
+    each = zip(nuts, found, strict=True)
+    return {**sets, **{name: replace(sets[name], friction=x, friction_words=words) for name, (x, words) in each}}
 
 
-def motor_torques_and_inertias(
-    assembly: Assembly, result: AxisResult, derived_results: models_answers.ShaftResults, friction_of_nuts: NutSums
-) -> AxisDrive | None:
+def motor_torques_and_inertias(assembly: Assembly, sets: Mapping[str, SetResult]) -> AxisDrive | None:
     """Compute torques and moments of inertia at the motor of a feed axis with a turning shaft.
 
     Bearings whose inner ring sits on a moving housing do not turn with the shaft and are omitted.
@@ -147,13 +145,8 @@ def motor_torques_and_inertias(
     ----------
     assembly
         Shaft with several nuts or bearing rows.
-    result
-        Converged result of the assembly.
-    derived_results
-        Friction torques of the bearings and other results that follow from ``result``.
-    friction_of_nuts
-        For the number (from 0) of each nut, its friction results or the reason why there are none, as the function
-        `friction_of_nuts` returns them.
+    sets
+        Results of each nut or bearing row, by name, with the friction of the nuts and the torques of the bearings.
 
     Returns
     -------
@@ -164,15 +157,9 @@ def motor_torques_and_inertias(
     if motion is not None and motion.turns != "screw":
         return None
     sign = -1.0 if motion is not None and motion.speed < 0.0 else 1.0
-    turning = [i for i, s in enumerate(result.sets) if s.of.carrier is None]
-    found = (
-        _driving_torque_of_nut(result.sets[i].of.name, *friction_of_nuts[i], sign)
-        if i in friction_of_nuts
-        else _friction_torque_of_bearing(assembly, result.sets[i], derived_results.set_results[i].friction_torque)
-        for i in turning
-    )
-    sets = tuple(replace(x, seals=result.sets[i].of.seals) for x, i in zip(found, turning, strict=True))
-    seals, lead = sum(result.sets[i].of.seals for i in turning), lead_of_first_nut(assembly)
+    turning = [row for row in assembly.sets if row.carrier is None]
+    torques = tuple(replace(_torque_on_shaft(assembly, sets[row.name], sign), seals=row.seals) for row in turning)
+    seals, lead = sum(row.seals for row in turning), lead_of_first_nut(assembly)
 
     def total(torques: list[Band | None]) -> Band | None:
         """Return the sum of the friction torques of all nuts and bearings, seals and other parts (Smith 4.10) [N m].
@@ -186,7 +173,7 @@ def motor_torques_and_inertias(
         low, high = (DriveTorqueParts(drive.torque, seals, end, 0.0).constant_speed_torque for end in ends)
         return low, high
 
-    running, starting = (total([getattr(s, name) for s in sets]) for name in ("running", "starting"))
+    running, starting = (total([getattr(s, name) for s in torques]) for name in ("running", "starting"))
     inertias = [screw_inertia(assembly, drive.density), drive.motor_inertia]
     accelerating = None
     if running is not None and motion is not None and drive.time is not None:
@@ -196,18 +183,18 @@ def motor_torques_and_inertias(
         accelerating = running[0] + low, running[1] + high
     carried = reflected_inertia(drive.mass, lead)
     whole = sum(inertias) + carried
-    return AxisDrive(sets, seals, drive.torque, running, starting, accelerating, inertias[0], carried, whole)
+    return AxisDrive(torques, seals, drive.torque, running, starting, accelerating, inertias[0], carried, whole)
 
 
 class LivesOfSet(Protocol):
     """Lives of one nut or bearing row."""
 
     @property
-    def life(self) -> rating_life.BasicRatingLife | None:
+    def life(self) -> rating_life.Life | None:
         """Life L10; None if it is not known."""
 
     @property
-    def life_by_loads(self) -> models_answers.LifeByLoads | None:
+    def life_by_loads(self) -> LifeByLoads | None:
         """Life by the loads of the contacts; None if it is not known."""
 
 
@@ -216,37 +203,32 @@ def lead_of_first_nut(assembly: Assembly) -> float:
     return next((s.parts.track.lead for s in assembly.sets if isinstance(s.parts, Scene) and s.parts.track.lead), 0.0)
 
 
-def _driving_torque_of_nut(name: str, friction_results: dict[str, Any] | None, reason: str, sign: float) -> ShaftTorque:
-    """Return the torque with which the turning screw drives a nut.
+def _torque_on_shaft(assembly: Assembly, one: SetResult, sign: float) -> ShaftTorque:
+    """Return the torque with which the turning shaft drives a nut, or the friction torque of a bearing.
 
-    ``name``: name of the nut; ``friction_results``: its friction torques as JSON values; None: not known, for the reason
-    ``reason``; ``sign``: -1 if the screw turns in the negative direction, else 1.
+    The torque of a bearing is that while it runs and when it starts from rest, zero without load. ``one``: results of the
+    nut or bearing; ``sign``: -1 if the screw turns in the negative direction, else 1.
     """
-    if friction_results is None or friction_results["driving_torque_on_screw_Nmm"] is None:
-        return ShaftTorque(name, None, None, words=reason or "the friction of the balls did not converge")
-    torque = 1e-3 * sign * friction_results["driving_torque_on_screw_Nmm"]
-    return ShaftTorque(name, (torque, torque), (torque, torque))
-
-
-def _friction_torque_of_bearing(assembly: Assembly, bearing: SetResult, torque: BallBearingTorque | None) -> ShaftTorque:
-    """Return the friction torque of a bearing row, while it runs and when it starts from rest; zero without load.
-
-    ``bearing``: solution of the row; ``torque``: friction torque if the row has balls; None for rollers or without
-    load.
-    """
+    if one.kind == "ball nut":
+        if one.friction is None or one.friction["driving_torque_on_screw_Nmm"] is None:
+            words = one.friction_words or "the friction of the balls did not converge"
+            return ShaftTorque(one.name, None, None, words=words)
+        torque = 1e-3 * sign * one.friction["driving_torque_on_screw_Nmm"]
+        return ShaftTorque(one.name, (torque, torque), (torque, torque))
     ends: tuple[Band | None, Band | None] = (0.0, 0.0), (0.0, 0.0)
-    if torque is not None:
-        ends = torque.running, torque.starting
-    elif isinstance(bearing.of.parts, RollerRow) and bearing.line_loads is not None:
+    lines = None if one.on_shaft is None else one.on_shaft.line_loads
+    if one.bearing_torque is not None:
+        ends = one.bearing_torque.running, one.bearing_torque.starting
+    elif isinstance(one.parts, RollerRow) and lines is not None:
         speed = None if assembly.motion is None else assembly.motion.speed
-        row = roller_bearing_torque(bearing.of.parts, bearing.line_loads, speed, assembly.lubricant)
+        row = roller_bearing_torque(one.parts, lines, speed, assembly.lubricant)
         if row is not None:
             low, high = (row.torque if x is None else x for x in (row.low, row.high))
             ends = None if row.film is None else (low, high), (low - (row.film or 0.0), high - (row.film or 0.0))
-    return ShaftTorque(bearing.of.name, *ends, words="" if ends[0] is not None else NOT_RUNNING)
+    return ShaftTorque(one.name, *ends, words="" if ends[0] is not None else NOT_RUNNING)
 
 
-def _life_of_turning_sets(
+def life_of_turning_sets(
     assembly: Assembly, sets: Iterable[tuple[str, LivesOfSet]], speed: float | None
 ) -> rating_life.SystemLife | None:
     """Return the combined rating life of all nuts and bearing rows that turn; None if no life is known.
@@ -283,125 +265,25 @@ class LoadsOfNutOrBearing:
     preload: float = 0.0
 
 
-@dataclass(frozen=True)
-class SceneSolution:
-    """Solution of a scene with one nut or bearing row by one model, with all results that follow from the contact loads."""
-
-    #: Scene with one nut or bearing row.
-    scene: Scene
-    #: Contact loads and displacements by the model, with all warnings.
-    result: StaticResult
-    #: Results that follow from the contact loads; None without equilibrium.
-    derived_results: models_answers.SceneResults | None = None
-    #: Expected error of the model's results; None without equilibrium.
-    expected_errors: ExpectedModelErrors | None = None
-
-    @property
-    def contact_results(self) -> tuple[models_answers.ContactLoadResults, ...]:
-        """Pressure, static safety and life of the nut or row, as a tuple of one item; empty without equilibrium."""
-        return () if self.derived_results is None else (self.derived_results.load_results,)
-
-    @property
-    def loads_by_set(self) -> dict[str, LoadsOfNutOrBearing]:
-        """Contact loads and force of the scene's only nut or row, under the name ""; empty without equilibrium."""
-        if self.derived_results is None or self.result.equilibrium is None:
-            return {}
-        preload = absolute_axial_preload(self.derived_results.preload) if self.scene.errors.lead_offset else 0.0
-        force = -self.result.equilibrium.contact_force
-        return {"": LoadsOfNutOrBearing(self.scene, self.result.load, force, preload)}
-
-
-@dataclass(frozen=True)
-class ShaftSolution:
-    """Solution of a shaft with several nuts or bearing rows by one model, with all results that follow from the loads."""
-
-    #: Shaft with several nuts or bearing rows.
-    scene: Assembly
-    #: Contact loads and displacements by the model, with all warnings.
-    result: AxisResult
-    #: Results that follow from the contact loads; None without equilibrium.
-    derived_results: models_answers.ShaftResults | None = None
-    #: Expected error of the model's results for a double nut; None without equilibrium, and for other shafts.
-    expected_errors: ExpectedModelErrors | None = None
-    #: Torques and moments of inertia at the motor; None without equilibrium, or if the nuts turn instead of the shaft.
-    motor_torques: AxisDrive | None = None
-    #: Combined life of all nuts and rows that turn with the shaft; None if none of them has a life.
-    combined_life: rating_life.SystemLife | None = None
-
-    @property
-    def contact_results(self) -> tuple[models_answers.LoadResults, ...]:
-        """Pressure, static safety and life of each nut or row, rollers included; empty without equilibrium."""
-        return () if self.derived_results is None else tuple(x.load_results for x in self.derived_results.set_results)
-
-    @property
-    def loads_by_set(self) -> dict[str, LoadsOfNutOrBearing]:
-        """Contact loads and force of each nut or row by its name; empty without equilibrium."""
-        if self.derived_results is None:
-            return {}
-        out = {}
-        for s, answers in zip(self.result.sets, self.derived_results.set_results, strict=True):
-            if isinstance(answers.parts, Scene) and s.balls is not None:
-                parts = models_answers.parts_under_loads(self.scene, answers.parts)
-                out[s.of.name] = LoadsOfNutOrBearing(parts, s.balls.load, -s.force)
-            elif s.line_loads is not None:
-                out[s.of.name] = LoadsOfNutOrBearing(answers.parts, s.line_loads, -s.force)
-        return out
-
-
-def solve_with_results(scene: Scene | Assembly, model: str, options: ModelOptions) -> SceneSolution | ShaftSolution:
-    """Solve a scene by a model and compute all results: pressure, safety, life, rigidity, preload, friction.
+def loads_for_life(scene: Scene | Assembly, one: SetResult) -> LoadsOfNutOrBearing | None:
+    """Return the contact loads and the force of one nut or bearing row in one load case; None without equilibrium.
 
     Parameters
     ----------
     scene
-        Scene with one nut or bearing row, or with several on one shaft; one load case.
-    model
-        Name of the model.
-    options
-        Options of the model.
-
-    Returns
-    -------
-    SceneSolution or ShaftSolution
-        The solution with all results.
-
-    Raises
-    ------
-    InputError
-        If the model does not cover the scene.
+        Scene of the load case.
+    one
+        Results of the nut or bearing row in the load case.
     """
+    if one.force is None:
+        return None
+    if not isinstance(one.parts, Scene) or one.balls is None:
+        lines = None if one.on_shaft is None else one.on_shaft.line_loads
+        return None if lines is None else LoadsOfNutOrBearing(one.parts, lines, -one.force)
     if isinstance(scene, Assembly):
-        return solve_shaft_with_results(scene, model, options)
-    return solve_scene_with_results(scene, model, options)
-
-
-def solve_shaft_with_results(scene: Assembly, model: str, options: ModelOptions) -> ShaftSolution:
-    """Solve a shaft with several nuts or bearing rows, and compute all results.
-
-    InputError if the model does not cover the assembly.
-    """
-    result, answers = models_answers.solve_assembly_with_results(scene, model, options.member)
-    if answers is None:
-        return ShaftSolution(scene, result)
-    drive = motor_torques_and_inertias(scene, result, answers, friction_of_nuts(scene, result))
-    speed = None if scene.motion is None else scene.motion.speed
-    life = _life_of_turning_sets(scene, ((x.name, x.load_results) for x in answers.set_results), speed)
-    return ShaftSolution(scene, result, answers, estimate_double_nut_error(scene, result), drive, life)
-
-
-def solve_scene_with_results(scene: Scene, model: str, options: ModelOptions) -> SceneSolution:
-    """Solve a scene with one nut or bearing row, and compute all results; InputError if the model does not cover it."""
-    result = run_model(scene, model, options)
-    if not result.converged:
-        return SceneSolution(scene, result)
-    answers = models_answers.compute_scene_results(scene, result, model, options)
-    warned = [*models_answers.validity_warnings(scene, answers.load_results, absolute_axial_preload(answers.preload))]
-    if scene.friction is not None:
-        warned += warn_of_overall_friction_coefficient(scene.track, scene.friction)
-    warned += [*load_path_warnings(answers.load_path), *models_answers.axial_play_warnings(scene)]
-    warned += [] if answers.shaft_limits is None else answers.shaft_limits.warnings
-    result = replace(result, warnings=(*result.warnings, *warned))
-    return SceneSolution(scene, result, answers, estimate_model_error(scene, result))
+        return LoadsOfNutOrBearing(parts_under_loads(scene, one.parts), one.balls.load, -one.force)
+    preload = absolute_axial_preload(one.preload) if scene.errors.lead_offset else 0.0
+    return LoadsOfNutOrBearing(scene, one.balls.load, -one.force, preload)
 
 
 @dataclass(frozen=True)
@@ -423,7 +305,7 @@ class LivesOverDutyCycle:
 
     #: Basic rating life L10 over the duty cycle: of a nut from the contact loads, of a bearing by ISO 281; if None,
     #: ``life_words`` states the reason.
-    life: rating_life.BasicRatingLife | None
+    life: rating_life.Life | None = quantity_field("life")
     life_words: str = quantity_field(
         "life_words", "why no life over the duty cycle can be computed", show=lambda words: words or None
     )
@@ -441,7 +323,7 @@ class LivesOverDutyCycle:
     reference: iso_lives.ReferenceLife | None = quantity_field("reference_life", default=None)
 
     @property
-    def life_by_loads(self) -> models_answers.LifeByLoads | None:
+    def life_by_loads(self) -> LifeByLoads | None:
         """Life over the cycle from the contact loads: L10 of a nut, L10r of a bearing; None if it is not known."""
         return self.life if self.reference is None else self.reference
 
@@ -532,35 +414,48 @@ class DutyCycleResults:
         return min(self.lives, key=_life_for_ranking)
 
 
-def compute_duty_cycle_results(cycle: DutyCycle, solutions: Sequence[SceneSolution | ShaftSolution]) -> DutyCycleResults:
+def compute_duty_cycle_results(
+    cycle: DutyCycle,
+    sets: Sequence[Mapping[str, SetResult]],
+    statuses: Sequence[str],
+    expected_errors: Sequence[ExpectedError | None],
+) -> DutyCycleResults:
     """Compute extreme values over the load cases of a duty cycle, and lives over the whole cycle.
 
     Parameters
     ----------
     cycle
         The duty cycle.
-    solutions
-        Solution of each load case, in the order of the cycle.
+    sets
+        For each load case, in the order of the cycle, the results of each nut or bearing row by name.
+    statuses
+        For each load case the reason why there is no equilibrium; empty if there is one.
+    expected_errors
+        For each load case the errors to expect.
 
     Returns
     -------
     DutyCycleResults
         Largest pressure, least static safety, largest expected error, and lives.
     """
-    pairs = list(zip(cycle.cases, solutions, strict=True))
-    answers = [(case, x) for case, one in pairs for x in one.contact_results]
-    expected = [(case, one.expected_errors) for case, one in pairs if one.derived_results]
-    errors = [(case, None if e is None else e.percent) for case, e in expected]
-    lives = tuple(_lives_of_set(cycle, name, [one.loads_by_set.get(name) for one in solutions]) for name in cycle.sets)
+    pairs = [*zip(cycle.cases, sets, strict=True)]
+    worst = [(case, s.worst) for case, one in pairs for s in one.values() if s.worst]
+    each = zip(cycle.cases, statuses, expected_errors, strict=True)
+    errors = [(case, None if e is None else e.loads) for case, lost, e in each if not lost]
+    loads = [
+        {name: loads_for_life(case.scene, s) for name, s in one.items()}
+        for case, one in zip(cycle.cases, sets, strict=True)
+    ]
+    lives = tuple(_lives_of_set(cycle, name, [one.get(name) for one in loads]) for name in cycle.sets)
     axis_life = None
     if isinstance(cycle.parts, Assembly):
-        axis_life = _life_of_turning_sets(cycle.parts, ((x.set, x) for x in lives), cycle.speed)
+        axis_life = life_of_turning_sets(cycle.parts, ((x.set, x) for x in lives), cycle.speed)
     return DutyCycleResults(
-        _extreme_over_cases(max, ((case, a.worst_contact.pressure) for case, a in answers if a.worst_contact)),
-        _extreme_over_cases(min, ((case, a.safety.factor) for case, a in answers if a.safety)),
+        _extreme_over_cases(max, ((case, w.pressure) for case, w in worst)),
+        _extreme_over_cases(min, ((case, w.safety) for case, w in worst)),
         _extreme_over_cases(max, errors),
         tuple(case.name for case, percent in errors if percent is None),
-        {case.name: one.result.status for case, one in pairs if one.derived_results is None},
+        {case.name: lost for case, lost in zip(cycle.cases, statuses, strict=True) if lost},
         lives,
         cycle.speed,
         axis_life,
@@ -575,7 +470,7 @@ def _life_for_ranking(lives: LivesOverDutyCycle) -> float:
 
 def rating_life_over_duty_cycle(
     cycle: DutyCycle, set_name: str, loads: Sequence[Array | None]
-) -> tuple[models_answers.LifeByLoads | None, str]:
+) -> tuple[LifeByLoads | None, str]:
     """Compute the rating life of a nut (L10) or bearing row (L10r) over a duty cycle from its loads in every load case.
 
     Parameters
@@ -590,7 +485,7 @@ def rating_life_over_duty_cycle(
 
     Returns
     -------
-    BasicRatingLife or ReferenceLife or None
+    Life or ReferenceLife or None
         The life.
     str
         Why there is no life; empty if there is one.
@@ -603,7 +498,7 @@ def rating_life_over_duty_cycle(
         return None, rating_life.RINGS_STAND
     known = [np.zeros((1, 4)) if load is None else load for load in loads]
     parts, shares = cycle.sets[set_name], cycle.revolution_shares
-    rated: models_answers.LifeByLoads | None
+    rated: LifeByLoads | None
     if isinstance(parts, RollerRow):
         equivalent = roller_life.damage_equivalent_line_loads(known, shares)
         rated = iso_lives.roller_reference_life(parts, equivalent, turning)
@@ -615,7 +510,7 @@ def rating_life_over_duty_cycle(
         except ValueError as error:
             return None, str(error)
         rated = basic if parts.track.lead else iso_lives.ball_reference_life(parts, basic, turning)
-    return rated, "" if rated is not None else "no load"
+    return rated and replace(rated, speed=cycle.speed), "" if rated is not None else "no load"
 
 
 def _turning_ring_of_set(cycle: DutyCycle, set_name: str) -> rating_life.TurningRing:
@@ -658,6 +553,7 @@ def _lives_of_set(cycle: DutyCycle, set_name: str, loads: Sequence[LoadsOfNutOrB
     shares, forces, row = [share for _, share in used], [s.force for s, _ in used], cycle.sets[set_name]
     if isinstance(row, RollerRow):
         basic = roller_life.life_of_row_by_equivalent_loads(row, shares, forces)
+        basic = basic and replace(basic, speed=cycle.speed)
         return LivesOverDutyCycle(basic, "", None, "", set_name, None, rated)  # type: ignore[arg-type]
     scenes = [s.parts for s, _ in used if isinstance(s.parts, Scene)]
     if isinstance(rated, iso_lives.ReferenceLife):
@@ -666,6 +562,7 @@ def _lives_of_set(cycle: DutyCycle, set_name: str, loads: Sequence[LoadsOfNutOrB
             basic = rating_life.bearing_life_of_equivalent_loads(scenes, shares, forces)
         except ValueError as error:
             return LivesOverDutyCycle(None, str(error), None, "", set_name, modified, rated)
+        basic = basic and replace(basic, speed=cycle.speed)
         return LivesOverDutyCycle(basic, "" if basic is not None else "no load", None, "", set_name, modified, rated)
     modified = modified_life(row, rated)
     try:

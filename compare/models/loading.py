@@ -49,11 +49,11 @@ class Preload:
         "max_N", "largest load of a contact or roller without the scene's loads", error="as `preload.mean_N`"
     )
     #: Number of contacts that carry load without external loads.
-    loaded: int = quantity_field(
+    contacts: int = quantity_field(
         "loaded_contacts",
         "number of contacts that carry load without the scene's loads; for a row of rollers, number of rollers",
     )
-    #: Internal axial force [N]: the smaller of the axial forces with which contacts push the screw in the two directions;
+    #: Internal axial force [N], the smaller of the axial forces with which contacts push the screw in the two directions;
     #: zero if they push in one direction only.
     axial: float = quantity_field(
         "axial_N",
@@ -313,7 +313,7 @@ def lost_preload_warnings(
     loaded_parts: list[Load | Housing] = [*assembly.loads, *assembly.housings]
     if not any(np.any(vector) for x in loaded_parts for vector in (x.force, x.moment)):
         return
-    sums = [0.0 if x is None else x.mean * x.loaded for x in preloads]
+    sums = [0.0 if x is None else x.mean * x.contacts for x in preloads]
     for k, (now, bare, before) in enumerate(zip(result.sets, preloads, sums, strict=True)):
         left = float(now.loads.sum())
         if bare is None or not before > NOTHING * max(sums) or left >= LOST * before:
@@ -400,7 +400,18 @@ class LoadPath:
         parts="[]",
     )
     #: Force and moment of the loads on the shaft, (6,) [N, N m].
-    load_on_shaft: Array
+    load_on_shaft: Array = quantity_field(
+        "on_shaft.force_N",
+        "sum of the forces of the scene's loads on the shaft along x, y, z",
+        QuantityDescription(
+            "on_shaft.moment_Nm",
+            "sum of the moments of the scene's loads on the shaft about x, y, z, without lever arms of forces",
+            show=lambda load: load[3:],
+            parts="[]",
+        ),
+        show=lambda load: load[:3],
+        parts="[]",
+    )
     #: Shares that the supports of the shaft and the frames of housings carry.
     support_shares: tuple[SupportShare, ...] = quantity_field("supports")
     #: Force and moment (6,) [N, N m] of the external loads that the contacts carry, the moment about the centre of their
@@ -420,7 +431,7 @@ class LoadPath:
         parts="[]",
     )
     #: Lever arm by which moments are divided to compare them with forces: the pitch radius [m].
-    lever_arm: float
+    lever_arm: float = quantity_field("lever_arm_mm", "pitch radius, by which moments are compared with forces")
     #: Name of the only body (housing, or "the shaft") whose loads are considered; empty: the loads on all bodies.
     loaded_body: str = ""
 

@@ -61,10 +61,13 @@ if TYPE_CHECKING:
 #: File with the errors on built-in scenes, in a folder of 3D reference runs.
 FILE = "model_form.json"
 
-#: Fields of `ExpectedModelErrors` with the errors that are estimated, each separately: largest and RMS error of the contact
+#: Fields of `MeasuredModelErrors` with the errors that are estimated, each separately: largest and RMS error of the contact
 #: loads (in per cent of the mean load), errors of axial displacement and tangent rigidity of the cross-section on which the
 #: axial load acts, error of the largest pressure.
 QUANTITIES = ("percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
+
+#: Fields of `ExpectedError` with the estimates of `QUANTITIES`, in the same order.
+EXPECTED = ("loads", "loads_rms", "displacement", "rigidity", "pressure")
 
 #: Probability with which the error of a new scene is at least below the expected one, a little above nine in ten.
 SHARE = 0.92
@@ -124,14 +127,14 @@ WITH_FLANGE = SCALES | {FLANGE: ("nut fixed at its flange", 1.0)}
 
 
 @result_record
-class ExpectedModelErrors:
+class ExpectedError:
     """Expected error of a model for one scene, estimated from its errors against the 3D reference on other scenes.
 
     Percentages are None if no similar scene was compared: the scene is then "not covered".
     """
 
     #: Largest error of a contact load [% of the mean contact load].
-    percent: float | None = quantity_field(
+    loads: float | None = quantity_field(
         "covered",
         "whether scenes like this one were compared with the 3D reference",
         QuantityDescription(
@@ -139,12 +142,12 @@ class ExpectedModelErrors:
             "largest error of a contact load to expect, in per cent of the mean load; nine in ten new scenes like those "
             "that calibrate it have a smaller one",
         ),
-        show=lambda percent: percent is not None,
+        show=lambda loads: loads is not None,
     )
     #: Root mean square error of the contact loads [% of the mean contact load].
-    rms_percent: float | None = quantity_field("rms_percent_of_mean", "expected RMS error of all contact loads")
-    #: Distance to the nearest compared scene: Euclidean norm of the differences of the features, each divided by its scale
-    #: (`SCALES`).
+    loads_rms: float | None = quantity_field("rms_percent_of_mean", "expected RMS error of all contact loads")
+    #: Distance to the nearest compared scene, the Euclidean norm of the differences of the features, each divided by its
+    #: scale (`SCALES`).
     distance: float = quantity_field(
         "distance", "distance to the most similar compared scene in the features that decide the error, in scaled units"
     )
@@ -156,21 +159,17 @@ class ExpectedModelErrors:
     calibrated: int = quantity_field(
         "calibrated_on", "number of the compared scenes, unknown to the fit, that calibrate the errors; 0: no such scenes"
     )
-    #: Sentences: how the model describes the elasticity of screw, nut and balls, and in what the scene differs from the
+    #: Sentences on how the model describes the elasticity of screw, nut and balls, and in what the scene differs from the
     #: compared scenes.
     words: tuple[str, ...] = quantity_field("words")
     #: Error of the axial displacement of the cross-section on which the axial load acts [%].
-    displacement_percent: float | None = quantity_field(
+    displacement: float | None = quantity_field(
         "displacement_percent", "expected error of the axial displacement", default=None
     )
     #: Error of the axial tangent rigidity of the cross-section on which the axial load acts [%].
-    rigidity_percent: float | None = quantity_field(
-        "rigidity_percent", "expected error of the tangent rigidity", default=None
-    )
+    rigidity: float | None = quantity_field("rigidity_percent", "expected error of the tangent rigidity", default=None)
     #: Error of the largest pressure against that by Hertz from the contact loads of the 3D reference [%].
-    pressure_percent: float | None = quantity_field(
-        "pressure_percent", "expected error of the largest pressure", default=None
-    )
+    pressure: float | None = quantity_field("pressure_percent", "expected error of the largest pressure", default=None)
 
 
 @dataclass(frozen=True)
@@ -428,7 +427,7 @@ def calibration_rank(count: int) -> int:
 
 def estimate_model_error(
     scene: Scene, result: StaticResult, measured_errors: Iterable[MeasuredModelErrors] | None = None
-) -> ExpectedModelErrors:
+) -> ExpectedError:
     """Estimate the error of a model's result for a scene, from the model's errors against the 3D reference on other scenes.
 
     The estimate does not cover models that were not compared with the 3D reference (Mei's, those of users), kinds of scenes
@@ -445,7 +444,7 @@ def estimate_model_error(
 
     Returns
     -------
-    ExpectedModelErrors
+    ExpectedError
         The estimate, without percentages if the scene is not covered.
     """
     return _estimate_model_error([(scene, result)], result.model, "", measured_errors)
@@ -453,7 +452,7 @@ def estimate_model_error(
 
 def estimate_double_nut_error(
     assembly: Assembly, result: AxisResult, measured_errors: Iterable[MeasuredModelErrors] | None = None
-) -> ExpectedModelErrors | None:
+) -> ExpectedError | None:
     """Estimate the error of a model's result for a double nut, from its errors on compared screws and double nuts.
 
     Errors of contact loads are in per cent of the mean load of their own nut; displacement and rigidity are those of the
@@ -501,14 +500,14 @@ def _estimate_model_error(
     model_name: str,
     unlike_compared: str,
     measured_errors: Iterable[MeasuredModelErrors] | None,
-) -> ExpectedModelErrors:
+) -> ExpectedError:
     """Estimate the error of a model on a scene with one nut or bearing, or on a double nut.
 
     ``nuts``: each nut as a scene, with the model's result for it; ``unlike_compared``: what the scene has that no compared
     scene has, as text; empty: nothing; ``measured_errors``: as in `estimate_model_error`.
     """
     if model_name not in MODELS:
-        return ExpectedModelErrors(None, None, float("inf"), "", 0, 0, (WORDS, NOT_COMPARED))
+        return ExpectedError(None, None, float("inf"), "", 0, 0, (WORDS, NOT_COMPARED))
     model, scene = MODELS[model_name], nuts[0][0]
     kind = kind_of_scene(scene, double=len(nuts) > 1)
     points = model_errors_on_compared_scenes() if measured_errors is None else measured_errors
@@ -516,13 +515,13 @@ def _estimate_model_error(
     like = ScenesLike.of_kind(kind, compared)
     words: tuple[str, ...] = (model.elasticity_text,)
 
-    def estimate_not_covered(why: str, away: float = float("inf"), nearest: str = "") -> ExpectedModelErrors:
+    def estimate_not_covered(why: str, away: float = float("inf"), nearest: str = "") -> ExpectedError:
         """Return an estimate without percentages for the reason ``why``.
 
         ``nearest``: name of the nearest scene compared with the 3D reference; ``away``: distance from it, the root of the
         sum of squared differences of the scaled features.
         """
-        return ExpectedModelErrors(None, None, away, nearest, like.count, 0, (*words, why))
+        return ExpectedError(None, None, away, nearest, like.count, 0, (*words, why))
 
     if not all((result.load > 0.0).any() for _, result in nuts):
         return estimate_not_covered("no contact carries load, so that errors in per cent of the mean load are not defined")
@@ -557,13 +556,13 @@ def _estimate_model_error(
     expected = _expected_errors(like, places)
     scenes, count = like.calibrating, like.count
     enough = calibration_rank(len(scenes)) <= len(scenes)
-    return ExpectedModelErrors(
+    return ExpectedError(
         distance=float(away.max()),
         nearest=nearest,
         compared=count,
         calibrated=enough * len(scenes),
         words=words,
-        **expected,
+        **dict(zip(EXPECTED, expected.values(), strict=True)),
     )
 
 

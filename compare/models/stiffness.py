@@ -114,7 +114,7 @@ class LoadPointStiffness(CrossMotion):
         "loads; with shaft, wind-up, supports and all bearings",
         error="`model_form.displacement_percent`, along z",
         heading="displacement",
-        expected=("displacement_percent", 1.0),
+        expected=("displacement", 1.0),
         note="at {at} along {along}",
     )
     secant: float | None = quantity_field(
@@ -122,7 +122,7 @@ class LoadPointStiffness(CrossMotion):
         "force over displacement of the load's point",
         error="that of the displacement",
         heading="rigidity, secant",
-        expected=("displacement_percent", 1.0),
+        expected=("displacement", 1.0),
     )
     tangent: float | None = quantity_field(
         "tangent_N_per_um",
@@ -130,10 +130,15 @@ class LoadPointStiffness(CrossMotion):
         "without loads, for a small axial force",
         error="`model_form.rigidity_percent`, along z",
         heading="rigidity, tangent",
-        expected=("rigidity_percent", 1.0),
+        expected=("rigidity", 1.0),
         note="with shaft and supports",
     )
     of: str = quantity_field("of", default="load's point")
+
+
+@result_record
+class ShaftPointStiffness(LoadPointStiffness):
+    """Displacement, tilt and stiffness of the point on which the load of a shaft with several nuts or bearings acts."""
 
     @property
     @QuantityDescription(
@@ -150,14 +155,17 @@ class LoadPointStiffness(CrossMotion):
 class SceneStiffness:
     """Stiffness of a solved scene at all its points."""
 
-    #: Of the nuts together or, without nuts, of the bearings together.
-    nut: NutStiffness
     #: Of each nut and bearing.
     sets: tuple[NutStiffness, ...]
     #: Of the point on which the load acts.
     load_point: LoadPointStiffness
     #: Why there is no tangent; empty if there is one, or if the model never gives one.
     words: str
+
+    @property
+    def nut(self) -> NutStiffness:
+        """Stiffness of the nuts together or, without nuts, of the bearings together."""
+        return stiffness_together(self.sets)
 
 
 def stiffness_of_scene(
@@ -217,8 +225,9 @@ def stiffness_of_scene(
     axes = zip("xyz", np.eye(3), strict=True)
     along = next((axis for axis, x in axes if np.allclose(np.abs(point.direction), x)), "the force")
     ratios_at_point = secants[-1], tangents[-1]
-    of_load = LoadPointStiffness(place_text(point.at), along, float(force), _known(moved), *ratios_at_point, **of_point)
-    return SceneStiffness(_together(sets), sets, of_load, words)
+    kind = LoadPointStiffness if isinstance(scene, Scene) else ShaftPointStiffness
+    of_load = kind(place_text(point.at), along, float(force), _known(moved), *ratios_at_point, **of_point)
+    return SceneStiffness(sets, of_load, words)
 
 
 def place_text(at: float | str) -> str:
@@ -391,7 +400,7 @@ def _stiffness_of_nuts(scene: Scene | Assembly, result: StaticResult | AxisResul
         return None
     kinds = [kind_of(s.of.parts) for s in result.sets] if isinstance(result, AxisResult) else [kind_of(scene)]
     known = zip(kinds, ratios(changes), strict=False)
-    return _together([NutStiffness(kind, 0.0, None, None, stiffness) for kind, stiffness in known]).tangent
+    return stiffness_together([NutStiffness(kind, 0.0, None, None, stiffness) for kind, stiffness in known]).tangent
 
 
 def _at_rest(scene: Scene | Assembly, unloaded: StaticResult | AxisResult, point: LoadPoint) -> Array:
@@ -418,7 +427,7 @@ def _known(value: float) -> float | None:
     return None if np.isnan(value) or not value else float(value)
 
 
-def _together(sets: Sequence[NutStiffness]) -> NutStiffness:
+def stiffness_together(sets: Sequence[NutStiffness]) -> NutStiffness:
     """Return the stiffness of all nuts together, or of all bearings where there is no nut, as springs side by side."""
     nuts = [x for x in sets if x.of == "nut"]
     chosen = nuts or list(sets)

@@ -629,10 +629,10 @@ def effect_of_large_displacements(scene: Scene, reference: Reference) -> float:
 
     The 3D reference neglects this second-order effect. 0 without load.
     """
-    worst = results_of_contact_loads(scene, reference.load, np.radians(reference.best.angle)).worst_contact
-    if worst is None:
+    worst = results_of_contact_loads(scene, reference.load, np.radians(reference.best.angle)).worst
+    if worst is None or worst.semi_axes is None:
         return 0.0
-    lost = SECOND_ORDER * worst.a / scene.balls.radius * worst.force
+    lost = SECOND_ORDER * worst.semi_axes[0] / scene.balls.radius * worst.force
     return float(error_percent(lost, 0.0, mean_load(reference.load)))
 
 

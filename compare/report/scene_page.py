@@ -17,10 +17,8 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
 from rollbench.compare.gate.user import references_from_file
 from rollbench.compare.measure import LoadError, load_error
-from rollbench.compare.models import load_cases
-from rollbench.compare.models.answers import SceneResults, tangent_stiffness_at
 from rollbench.compare.models.comparison import solution_from_result
-from rollbench.compare.models.model_form import FILE, ExpectedModelErrors
+from rollbench.compare.models.model_form import FILE, ExpectedError
 from rollbench.compare.models.registry import DEFAULT, ModelOptions, default_model_name, run_model
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.models.uncertainty import QUANTITIES, ErrorWithUncertainty, error_with_validation_uncertainty
@@ -29,9 +27,8 @@ from rollbench.compare.reference.estimate import Reference, largest_uncertainty_
 from rollbench.compare.reference.store import path_of_run, shipped_store
 from rollbench.compare.report import parts
 from rollbench.compare.report.axis_page import result_page_of_shaft
-from rollbench.compare.results.rows import duty_cycle_rows, expected_error_sentence, solution_rows
-from rollbench.compare.results.scene_json import duty_cycle_json, solved_case_json
-from rollbench.compare.results.view import collect_view_data
+from rollbench.compare.results.rows import expected_error_sentence
+from rollbench.compare.results.solved import Result, combine_load_cases, solve_with_results
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel
@@ -49,6 +46,7 @@ from rollbench.compare.studies.friction.whole import (
 from rollbench.compare.text.solved import load_case_rows
 from rollbench.lowfi.friction.whole.losses import CAUSES
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
+from rollbench.lowfi.rating.contacts import WorstContact
 from rollbench.lowfi.statics.contacts import hertz_of_every_contact
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import TangentStiffness
@@ -111,8 +109,8 @@ def solve_and_make_page(scene_name: str, stores: Sequence[Path], reference_file:
     if isinstance(described, DutyCycle):
         return _page_of_highest_pressure_case(scene_name, described, stores, reference_file)
     if isinstance(described, Assembly):
-        solved = load_cases.solve_shaft_with_results(described, default_model_name(described), ModelOptions())
-        return result_page_of_shaft(scene_name, solved, stores)
+        found = solve_with_results(described, default_model_name(described), ModelOptions())
+        return result_page_of_shaft(scene_name, found, stores)
     scene = scene_file.single_nut_scene_or_raise(described, scene_name)
     return _page_of_load_case(scene_name, scene, stores, reference_file)
 
@@ -127,24 +125,23 @@ def _page_of_highest_pressure_case(
     load case converges and loads a contact.
     """
     scenes = [case.scene for case in cycle.cases]
-    solved = [load_cases.solve_with_results(scene, default_model_name(scene), ModelOptions()) for scene in scenes]
-    names = [case.name for case in cycle.cases]
-    whole = load_cases.compute_duty_cycle_results(cycle, solved)
+    solved = [solve_with_results(scene, default_model_name(scene), ModelOptions()) for scene in scenes]
+    found = combine_load_cases(cycle, solved)
+    whole = found.together
     if whole.pressure is None:
         value = "no load case that has a solution with loaded contacts"
         raise SceneNotCoveredError(scene_name, "cases", value, "see the status of each load case: rollbench solve")
     worst = whole.pressure.case
-    one = solved[names.index(worst)]
-    if isinstance(one, load_cases.ShaftSolution):
+    one = found.cases[worst]
+    if isinstance(one.described, Assembly):
         page = result_page_of_shaft(scene_name, one, stores)
     else:
-        page = _page_of_load_case(scene_name, one.scene, stores, reference_file, worst)
-    data = duty_cycle_json(cycle, solved, whole)
+        page = _page_of_load_case(scene_name, one.described, stores, reference_file, worst)
     rows: list[Row] = [
         {TableColumn(key, key, "", "s" if key == "case" else "g4"): value for key, value in row.items()}
-        for row in load_case_rows(data["cases"])
+        for row in load_case_rows(found)
     ]
-    answers = duty_cycle_rows(whole)
+    answers = found.table()
     lives = (
         f"{row.quantity} {row.value} {row.unit}" for row in answers if row.quantity.startswith("life L10") and row.unit
     )
@@ -160,8 +157,8 @@ def _page_of_highest_pressure_case(
         verdict=f"Of {cases}, {worst} has the highest pressure. {page.verdict} Lives: {life_said}.{lost}",
         table=parts.results_table(answers, "Results of all load cases together"),
         parts=(Section("cases", "Load cases", (table, *filter(None, [page.table]))), *page.parts),
-        results=data,
-        view=collect_view_data(cycle.title, solved, data, names, stores),
+        results=found.to_json(),
+        view=found.scene_view(stores),
     )
 
 
@@ -183,23 +180,23 @@ def _page_of_load_case(
     if reference_file is not None:
         given = references_from_file(reference_file, scene, warnings.append, case=load_case_name)[0].reference
     options = ModelOptions()
-    one = load_cases.solve_scene_with_results(scene, DEFAULT, options)
-    result, answers, worth = one.result, one.derived_results, one.expected_errors
-    if answers is None or worth is None:
+    one = solve_with_results(scene, DEFAULT, options, scene.nut.position)
+    result, worth, tangent = one.solution, one.expected_error, one.tangent
+    assert isinstance(result, StaticResult)
+    if worth is None or tangent is None:
         advice = f"solve the scene to see the reason: rollbench solve {shlex.quote(scene_name)}"
         raise SceneNotCoveredError(scene_name, "scene", f"no usable solution: {result.status}", advice)
-    tangent = tangent_stiffness_at(scene, scene.nut.position, DEFAULT, options)
     stored = study.stored_reference(scene.name)
     solution = solution_from_result(result)
     errors = (error_with_validation_uncertainty(study, scene.name, DEFAULT, q, solution) for q in QUANTITIES)
     judged = [error for error in errors if error is not None]
     compared = None if given is None else compare_with_reference_file(given, result)
-    text, data = parts.scene_file_text(scene_name), solved_case_json(one)
+    text = parts.scene_file_text(scene_name)
     title = f"Results by the model {DEFAULT}, each with its expected error"
     sections = (
         Section("scene", "Geometry of the screw or bearing", (sketch_scene(scene, "sketch", SKETCH),)),
         _loads_section(scene, result, [reference for reference in (given, stored) if reference is not None]),
-        _stiffness_section(answers, tangent),
+        _stiffness_section(one, tangent),
         *filter(None, [friction_section(scene, result, options)]),
         _error_section(scene, worth, judged, stored, compared),
         parts.warnings_and_assumptions_section(result, warnings),
@@ -207,17 +204,17 @@ def _page_of_load_case(
     return ScenePage(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure, friction and life by rollbench, model {DEFAULT}",
-        pressure_and_error_sentence(answers, worth, judged, stored, compared),
+        pressure_and_error_sentence(one.worst, worth, judged, stored, compared),
         (),
         _picture_of_scene(scene, result),
         sections,
         _scene_origin_facts(scene_name, scene, text, stored, reference_file),
         text,
-        data,
+        one.to_json(),
         _hashes_of_used_files(scene, stored, stores),
         warnings,
-        collect_view_data(scene.title, [one], data, (), stores, given),
-        table=parts.results_table(solution_rows(one), title, expected_error_sentence(worth)),
+        one.scene_view(stores, given),
+        table=parts.results_table(one.rows(), title, expected_error_sentence(worth)),
     )
 
 
@@ -249,8 +246,8 @@ def compare_with_reference_file(file_reference: Reference, result: StaticResult)
 
 
 def pressure_and_error_sentence(
-    answers: SceneResults,
-    expected_error: ExpectedModelErrors,
+    worst: WorstContact | None,
+    expected_error: ExpectedError,
     measured_errors: Sequence[ErrorWithUncertainty],
     reference: Reference | None,
     file_comparison: ReferenceComparison | None,
@@ -259,8 +256,8 @@ def pressure_and_error_sentence(
 
     Parameters
     ----------
-    answers
-        Results derived from the contact loads.
+    worst
+        Contact with the highest pressure; None: no contact carries load.
     expected_error
         Expected error of the loads, estimated from other scenes that were compared with the 3D reference.
     measured_errors
@@ -270,12 +267,11 @@ def pressure_and_error_sentence(
     file_comparison
         Comparison with the user's reference file; None: no file.
     """
-    worst, safety = answers.load_results.worst_contact, answers.load_results.safety
-    if worst is None or safety is None:
+    if worst is None:
         return "No contact carries load."
     text = (
-        f"The contact with the highest pressure (ball {worst.ball} {worst.side}) carries {worst.force:.0f} N at "
-        f"{1e-6 * worst.pressure:.0f} MPa, static safety {safety.factor:.2g}"
+        f"The contact with the highest pressure (ball {worst.element} {worst.side}) carries {worst.force:.0f} N at "
+        f"{1e-6 * worst.pressure:.0f} MPa, static safety {worst.safety:.2g}"
     )
     if file_comparison is not None:
         return f"{text}; {file_comparison.reference_text}, {file_comparison.largest_error_clause}."
@@ -283,11 +279,10 @@ def pressure_and_error_sentence(
         v = measured_errors[0]
         bar = v.uncertainty_text + (f"; {reference.unsettled}" if reference.unsettled else "")
         return f"{text}; loads differ from the 3D reference by up to {abs(v.error):.2f} % of the mean load ({bar})."
-    if expected_error.percent is None:
+    if expected_error.loads is None:
         return f"{text}; the error of these loads is unknown because no similar scene was compared with the 3D reference."
     return (
-        f"{text}; by comparison of similar scenes, expect an error of up to {expected_error.percent:.1f} % of the mean "
-        "load."
+        f"{text}; by comparison of similar scenes, expect an error of up to {expected_error.loads:.1f} % of the mean load."
     )
 
 
@@ -326,17 +321,19 @@ def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Refe
     return Section("loads", "Contact loads and pressures", items)
 
 
-def _stiffness_section(answers: SceneResults, tangent: TangentStiffness) -> Section:
+def _stiffness_section(found: Result, tangent: TangentStiffness) -> Section:
     """Return the section on stiffness: axial rigidities by ISO 3408-4 and by the model, and the 6 x 6 tangent matrix.
 
-    ``answers``: results derived from the contact loads. ``tangent``: stiffness of the screw at the nut's centre.
+    ``found``: results of the scene. ``tangent``: stiffness of the screw at the nut's centre.
     """
-    three, at_load = answers.rigidities, answers.stiffness.load_point
+    at_load, nut, three = found.load_point, found.nut, None if found.only is None else found.only.rigidities
+    assert nut is not None
+    assert at_load is not None
     names = (
         "of the contacts alone (R_b/t), by formula at the nominal contact angle",
         "of contacts and bodies (R_nu), by formula at the nominal contact angle",
-        f"secant rigidity of the {answers.stiffness.nut.of} by the model (R_nu,ar)",
-        f"tangent rigidity of the {answers.stiffness.nut.of} by the model at this load",
+        f"secant rigidity of the {nut.of} by the model (R_nu,ar)",
+        f"tangent rigidity of the {nut.of} by the model at this load",
         f"secant rigidity of the load's point at {at_load.at}, to ground",
         f"tangent rigidity of the load's point at {at_load.at}, to ground",
     )
@@ -346,9 +343,7 @@ def _stiffness_section(answers: SceneResults, tangent: TangentStiffness) -> Sect
             TableColumn("name", "kind of axial rigidity", "", "s"): name,
             TableColumn("value", "axial rigidity", "N/um"): None if value is None else 1e-6 * value,
         }
-        for name, value in zip(
-            names, (*values, answers.stiffness.nut.tangent, at_load.secant, at_load.tangent), strict=True
-        )
+        for name, value in zip(names, (*values, nut.tangent, at_load.secant, at_load.tangent), strict=True)
     ]
     first = Table.from_rows("rigidity", "Axial rigidity by the formulas of ISO 3408-4 and by the model", rows)
     title = "Axial rigidity and stiffness"
@@ -371,7 +366,7 @@ def _stiffness_section(answers: SceneResults, tangent: TangentStiffness) -> Sect
 
 def _error_section(
     scene: Scene,
-    expected_error: ExpectedModelErrors,
+    expected_error: ExpectedError,
     measured_errors: Sequence[ErrorWithUncertainty],
     reference: Reference | None,
     file_comparison: ReferenceComparison | None = None,

@@ -12,21 +12,23 @@ import numpy as np
 from rollbench.compare.errors import SceneNotCoveredError
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models import comparison, model_form
-from rollbench.compare.models.answers import ContactLoadResults, motion_of_unloaded_screw, results_of_contact_loads
+from rollbench.compare.models.answers import motion_of_unloaded_screw, results_of_contact_loads
 from rollbench.compare.models.loading import solve_with_scaled_loads
 from rollbench.compare.models.programs import model_title
 from rollbench.compare.models.registry import DEFAULT, Model
+from rollbench.compare.models.set_results import SetResult, ball_load_summary
 from rollbench.compare.models.stiffness import LoadPointStiffness, place_of_displacement, place_text
 from rollbench.compare.models.uncertainty import LoadUncertainty, uncertainty_of_loads
 from rollbench.compare.quantities import record_as_json
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import load_stored_run
-from rollbench.compare.results.rows import rows_with_reference
-from rollbench.compare.results.scene_json import AxialResults, ball_loads_json, contact_ratings_json, expected_errors_json
+from rollbench.compare.results.rows import nested_records, rows_with_reference
+from rollbench.compare.results.solved import AxialResults
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 #: Name of the stored 3D reference in tables that compare models with a user's reference.
 OURS = "stored 3D reference"
@@ -41,7 +43,7 @@ class LoadsWithErrors:
     #: Errors of the contact loads against the reference; None for the reference itself.
     error: LoadError | None
     #: Pressure, static safety and life, computed from the contact loads.
-    derived_results: ContactLoadResults
+    derived_results: SetResult
     #: Axial position of the screw's section on which the load acts [m]; without a force, the nut's centre.
     place: float
     #: Axial displacement of the screw's section on which the load acts, to ground, from its unloaded position [m].
@@ -66,7 +68,7 @@ class LoadsWithErrors:
     @property
     def pressure(self) -> float:
         """Largest contact pressure [Pa]; zero if no contact is loaded."""
-        return 0.0 if self.derived_results.worst_contact is None else self.derived_results.worst_contact.pressure
+        return 0.0 if self.derived_results.worst is None else self.derived_results.worst.pressure
 
 
 def compare_loads_with_reference(
@@ -109,7 +111,7 @@ def compare_loads_with_reference(
     return LoadsWithErrors(answer, error, found, at, moved - unloaded_displacement, force, count, by_gate)
 
 
-@dataclass(frozen=True)
+@result_record
 class NutOrBearingComparison:
     """Comparison of models, and of coarser meshes of the 3D reference, with the reference loads of one nut or bearing."""
 
@@ -118,7 +120,26 @@ class NutOrBearingComparison:
     #: Contact loads of the reference.
     reference_loads: LoadsWithErrors
     #: Error to expect of the judged model (`judged_model`), estimated from comparisons on other scenes; None if unknown.
-    expected: model_form.ExpectedModelErrors | None
+    expected: model_form.ExpectedError | None = quantity_field(
+        "expected_error_percent",
+        "largest error of a contact load that `model_form` estimates for the model",
+        QuantityDescription(
+            "expected_displacement_error_percent",
+            "expected error of the displacement of the load's point, along z",
+            show=lambda expected: expected and expected.displacement,
+        ),
+        QuantityDescription(
+            "expected_rigidity_error_percent",
+            "expected error of the tangent rigidity of the load's point, along z",
+            show=lambda expected: expected and expected.rigidity,
+        ),
+        QuantityDescription(
+            "expected_pressure_error_percent",
+            "expected error of the largest pressure",
+            show=lambda expected: expected and expected.pressure,
+        ),
+        show=lambda expected: expected and expected.loads,
+    )
     #: Uncertainty of the errors, by its causes: mesh and choices of the reference, inputs of the scene.
     uncertainty: LoadUncertainty
     #: Axial displacement of the screw without external loads [m], by the default model; displacements under load are
@@ -180,7 +201,7 @@ def compare_models_with_reference(
         starts[answers[-1].model] = _axial_position_without_loads(scene, by_model.unloaded_result)
         if by_model.loaded_result.converged:
             measured = measured_errors_on_other_scenes(reference)
-            estimate: model_form.ExpectedModelErrors | None
+            estimate: model_form.ExpectedError | None
             if place is None:
                 estimate = model_form.estimate_model_error(by_model.scene, by_model.loaded_result, measured)
             else:
@@ -234,23 +255,45 @@ def measured_errors_on_other_scenes(reference: Reference) -> list[model_form.Mea
     return [point for point in points if not {point.scene, point.described_scene} & own]
 
 
+#: Keys of the results of a nut or bearing that follow from its contact loads alone.
+OF_LOADS = (
+    "worst_contact",
+    "static_safety",
+    "truncation",
+    "life",
+    "ratings",
+    "rating_refused",
+    "modified_life",
+    "reference_life",
+    "life_words",
+)
+
+
+def records_of_loads(one: LoadsWithErrors) -> dict[str, Any]:
+    """Return the records of contact loads, rigidity, pressure and life of a model or of the 3D reference by their keys.
+
+    ``one``: the contact loads, from which the other values follow.
+    """
+    force, moved = one.axial_force, one.axial_displacement
+    secant = force / moved if moved * force > 0.0 else None
+    return {
+        "loads": ball_load_summary(one.contact_loads.load, one.nominal_contacts),
+        "axial": AxialResults(force),
+        "load_point": LoadPointStiffness(place_text(one.place), "z", force, moved, secant, None),
+        **{key: record for key, record in nested_records(one.derived_results).items() if key in OF_LOADS},
+    }
+
+
 def loads_and_rigidities_json(one: LoadsWithErrors) -> dict[str, Any]:
     """Return contact loads, rigidity, pressure and life of a model or of the 3D reference as JSON.
 
     ``one``: the contact loads, from which the other values follow. Forces are in N, displacements in um,
     rigidities in N/um.
     """
-    force, moved = one.axial_force, one.axial_displacement
-    secant = force / moved if moved * force > 0.0 else None
-    loads = ball_loads_json(one.contact_loads.load, one.nominal_contacts)
-    of_load = LoadPointStiffness(place_text(one.place), "z", force, moved, secant, None)
-    without = ("tangent_N_per_um", "lost_motion_um_per_100N")
-    return {
-        "loads": loads,
-        "axial": record_as_json(AxialResults(force), "stepped_N_per_um"),
-        "load_point": record_as_json(of_load, *without),
-        **contact_ratings_json(one.derived_results),
-    }
+    data = {key: record_as_json(record) for key, record in records_of_loads(one).items()}
+    del data["load_point"]["tangent_N_per_um"]
+    ratings = record_as_json(one.derived_results)
+    return data | {key: ratings[key] for key in OF_LOADS}
 
 
 def comparison_json(compared: NutOrBearingComparison, reference: Reference) -> dict[str, Any]:
@@ -258,7 +301,7 @@ def comparison_json(compared: NutOrBearingComparison, reference: Reference) -> d
 
     ``compared``: the comparison of models with ``reference``.
     """
-    error, expected = compared.judged_model.error, compared.expected
+    error = compared.judged_model.error
     return {
         "scene": reference.scene,
         "verdict": comparison_verdict_sentence(compared, reference),
@@ -267,8 +310,7 @@ def comparison_json(compared: NutOrBearingComparison, reference: Reference) -> d
         "reference_status": reference.unsettled or "converged",
         "uncertainty": record_as_json(compared.uncertainty),
         "model": compared.judged_model.label,
-        "expected_error_percent": None if expected is None else expected.percent,
-        **expected_errors_json(expected, "expected_{}_error_percent"),
+        **record_as_json(compared),
         "measured_error_percent": None if error is None else error.max_percent,
         "answers": {b.label: loads_and_rigidities_json(b) for b in (compared.reference_loads, *compared.models)},
     }
@@ -305,7 +347,7 @@ def comparison_verdict_sentence(compared: NutOrBearingComparison, reference: Ref
             f"{e.rms_percent:.2f} % RMS, {model.gate_error_percent:.2f} % as judged by rollbench check"
         )
     if expected is not None:
-        percent = "not covered by earlier comparisons" if expected.percent is None else f"{expected.percent:.2f} %"
+        percent = "not covered by earlier comparisons" if expected.loads is None else f"{expected.loads:.2f} %"
         phrases.append(f"expected error: {percent}")
     return "; ".join(filter(None, [*phrases, reference_uncertainty_text(reference, compared.uncertainty)]))
 
@@ -327,5 +369,4 @@ def model_and_reference_rows(compared: NutOrBearingComparison) -> tuple[tuple[st
     """
     model, reference = compared.judged_model, compared.reference_loads
     headings = ("quantity", model.title, reference.label, "unit", "difference", "expected")
-    answers, answers_of_reference = loads_and_rigidities_json(model), loads_and_rigidities_json(reference)
-    return headings, [*rows_with_reference(answers, answers_of_reference, compared.expected)]
+    return headings, [*rows_with_reference(records_of_loads(model), records_of_loads(reference), compared.expected)]

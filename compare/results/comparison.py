@@ -14,6 +14,7 @@ from rollbench.compare.gate.user import references_from_file, stored_reference_o
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.comparison import SceneWithReference, models_shown_for_scene, stored_references
 from rollbench.compare.models.load_cases import rating_life_over_duty_cycle
+from rollbench.compare.models.model_form import ExpectedError
 from rollbench.compare.models.registry import Model
 from rollbench.compare.quantities import json_number, record_as_json
 from rollbench.compare.reference.estimate import Reference
@@ -24,7 +25,6 @@ from rollbench.compare.reference.tasks import ReferenceTask, Solvable
 from rollbench.compare.results import compared as results_compared
 from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
 from rollbench.compare.results.compared import LoadsWithErrors, NutOrBearingComparison
-from rollbench.compare.results.solved import ExpectedError, expected_error_record
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle, LoadCaseOfDutyCycle, load_cases_by_scene_name
 from rollbench.compare.scenes.scene_file import scenes_to_solve
 from rollbench.meshes.arrays import Array
@@ -343,7 +343,7 @@ def _comparison_of_one_nut_or_bearing(
         uncertainties=found.uncertainty,
         uncertainty=Uncertainty(t.percent, t.discretisation, choices, t.inputs, t.second_order, t.uncertainty_text),
         models={b.label: _model_loads_record(b, found) for b in comparison.models},
-        expected_error=expected_error_record(comparison.expected),
+        expected_error=comparison.expected,
     )
 
 

@@ -8,17 +8,17 @@ from functools import cache
 from typing import NamedTuple
 
 from rollbench.compare.gate.verdict import VerdictRow
-from rollbench.compare.models.answers import ContactLoadResults, ShaftResults
+from rollbench.compare.models import set_results
 from rollbench.compare.models.load_cases import AxisDrive, DutyCycleResults, LivesOverDutyCycle, ShaftTorque
 from rollbench.compare.models.loading import LiftOff, LoadPath, Preload, SupportShare
-from rollbench.compare.models.model_form import ExpectedModelErrors
-from rollbench.compare.models.stiffness import LoadPointStiffness, NutStiffness
+from rollbench.compare.models.model_form import ExpectedError
+from rollbench.compare.models.stiffness import NutStiffness, ShaftPointStiffness
 from rollbench.compare.models.uncertainty import LoadUncertainty
-from rollbench.compare.results import data, scene_json
+from rollbench.compare.results import data, solved
+from rollbench.compare.results.compared import NutOrBearingComparison
 from rollbench.compare.results.comparison import CycleSummary, ModelLoads, Uncertainty
 from rollbench.compare.results.load_curve import CurvePoint, LoadCurve
 from rollbench.compare.results.side_by_side import Alternative, SideBySide
-from rollbench.compare.results.solved import ExpectedError
 from rollbench.compare.results.table import TableRow
 from rollbench.compare.scenes.duty_cycle import LoadCase
 from rollbench.lowfi.bearings.tapered_roller import RibContact
@@ -26,7 +26,7 @@ from rollbench.lowfi.bearings.torque import BallBearingTorque, PalmgrenLoadTorqu
 from rollbench.lowfi.rating.catalogue_checks import ShaftLimits
 from rollbench.lowfi.rating.contacts import BallContact, EllipseTruncation, Ratings, RollerContact, StaticSafety
 from rollbench.lowfi.rating.iso_lives import ModifiedLife, ReferenceLife
-from rollbench.lowfi.rating.life import BasicRatingLife, EquivalentLoadLife, SystemLife
+from rollbench.lowfi.rating.life import EquivalentLoadLife, Life, SystemLife
 from rollbench.lowfi.rating.rigidity import AxialRigidities
 from rollbench.lowfi.statics.result import Equilibrium, HousingResult, SetResult, SolverReport
 from rollbench.meshes.one_arc import InternalClearance
@@ -60,11 +60,11 @@ TABLES = (
         "Contact loads are normal forces between a ball and one groove flank. `compare` measures their error, and "
         "`expected_error_percent` estimates it, in per cent of the mean load.",
         (
-            ("balls[].", scene_json.BallResult),
-            ("loads.", scene_json.BallLoadSummary),
-            ("loads.", scene_json.RollerLoadSummary),
-            ("rollers[].", scene_json.RollerResult),
-            ("sides.FLANK.", scene_json.FlankLoadSummary),
+            ("balls[].", set_results.BallResult),
+            ("loads.", set_results.BallLoadSummary),
+            ("loads.", set_results.RollerLoadSummary),
+            ("rollers[].", set_results.RollerResult),
+            ("sides.FLANK.", set_results.FlankLoadSummary),
         ),
     ),
     DefinitionTable(
@@ -74,13 +74,13 @@ TABLES = (
         "all of it in.",
         (
             ("nut.", NutStiffness),
-            ("load_point.", LoadPointStiffness),
-            ("axial.", scene_json.AxialResults),
+            ("load_point.", ShaftPointStiffness),
+            ("axial.", solved.AxialResults),
             ("load_path.", LoadPath),
             ("load_path.supports[].", SupportShare),
             ("", AxialRigidities),
-            ("stiffness.", scene_json.StiffnessAtPosition),
-            ("centreline[].", scene_json.AxisPointDisplacement),
+            ("stiffness.", solved.StiffnessAtPosition),
+            ("centreline[].", solved.AxisPointDisplacement),
         ),
     ),
     DefinitionTable(
@@ -116,12 +116,12 @@ TABLES = (
         "By ISO 281 and ISO/TS 16281 for bearings and ISO 3408-5 for screws, computed from the geometry of these parts, "
         "not taken from a catalogue; the theory is in [](../theory/rating.md).",
         (
-            ("life.", BasicRatingLife),
+            ("life.", Life),
             ("modified_life.", ModifiedLife),
             ("reference_life.", ReferenceLife),
             ("ratings.", Ratings),
             ("shaft.", ShaftLimits),
-            ("", ContactLoadResults),
+            ("", set_results.SetResult),
             ("preload.", Preload),
             ("starting_torque.", PalmgrenLoadTorque),
             ("axis_life.", SystemLife),
@@ -150,9 +150,9 @@ TABLES = (
         "An error is 100 (value - reference)/|reference| (`compare/measure.py`). The error of a contact load is in per "
         "cent of the reference's mean load unless a name says otherwise.",
         (
-            ("model_form.", ExpectedModelErrors),
+            ("model_form.", ExpectedError),
             ("", ModelLoads),
-            ("", ExpectedError),
+            ("", NutOrBearingComparison),
             ("", Uncertainty),
             ("uncertainty.", LoadUncertainty),
             ("verdicts[].", VerdictRow),
@@ -167,7 +167,7 @@ TABLES = (
         (
             ("sets[].", SetResult),
             ("housings[].", HousingResult),
-            ("summary.", ShaftResults),
+            ("summary.", solved.Result),
             ("statistics.*.", data.Statistics),
             ("", data.Ensemble),
         ),

@@ -6,67 +6,60 @@ HTML page, notebooks and the manual show the same table.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from math import pi
 from typing import Any
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.load_cases import AxisDrive, DutyCycleResults, SceneSolution, ShaftSolution
+from rollbench.compare.models.load_cases import AxisDrive, DutyCycleResults
 from rollbench.compare.models.loading import COMPONENTS, NOTHING, LiftOff, LoadPath, Preload
-from rollbench.compare.models.model_form import ExpectedModelErrors
-from rollbench.compare.models.stiffness import LoadPointStiffness, NutStiffness
-from rollbench.compare.quantities import format_by_error, format_range, heading_and_unit
-from rollbench.compare.results import scene_json
+from rollbench.compare.models.model_form import ExpectedError
+from rollbench.compare.models.set_results import SetResult
+from rollbench.compare.quantities import (
+    format_by_error,
+    format_range,
+    heading_and_unit,
+    quantities_of_record,
+    record_as_json,
+)
 from rollbench.compare.results.base import Row
 from rollbench.compare.results.data import Friction, FrictionBand
-from rollbench.lowfi.bearings.tapered_roller import RibContact
-from rollbench.lowfi.bearings.torque import BallBearingTorque, RollerBearingTorque
-from rollbench.lowfi.rating.catalogue_checks import ShaftLimits
-from rollbench.lowfi.rating.contacts import BallContact, EllipseTruncation, Ratings, RollerContact, StaticSafety
-from rollbench.lowfi.rating.iso_lives import ModifiedLife, ReferenceLife
-from rollbench.lowfi.rating.life import BasicRatingLife, EquivalentLoadLife, SystemLife
-from rollbench.lowfi.rating.rigidity import AxialRigidities
-from rollbench.meshes.one_arc import InternalClearance
+from rollbench.lowfi.rating.life import SystemLife
 from rollbench.meshes.quantity import QuantityDescription, quantity_descriptions
 
-#: Groups of a JSON summary, in the order of the table's rows, each with the record that defines its quantities. If a group
-#: has two records, that one is used whose first key the group contains.
-GROUPS: tuple[tuple[str, type], ...] = (
-    ("", DutyCycleResults),
-    ("loads", scene_json.BallLoadSummary),
-    ("loads", scene_json.RollerLoadSummary),
-    ("axial", scene_json.AxialResults),
-    ("nut", NutStiffness),
-    ("load_point", LoadPointStiffness),
-    ("", AxialRigidities),
-    ("worst_contact", BallContact),
-    ("worst_contact", RollerContact),
-    ("rib_contact", RibContact),
-    ("truncation", EllipseTruncation),
-    ("static_safety", StaticSafety),
-    ("preload", Preload),
-    ("contact_lost", LiftOff),
-    ("clearance", InternalClearance),
-    ("friction", Friction),
-    ("band", FrictionBand),
-    ("roller_torque", RollerBearingTorque),
-    ("bearing_torque", BallBearingTorque),
-    ("drive", AxisDrive),
-    ("life", BasicRatingLife),
-    ("modified_life", ModifiedLife),
-    ("reference_life", ReferenceLife),
-    ("standard_life", EquivalentLoadLife),
-    ("axis_life", SystemLife),
-    ("ratings", Ratings),
-    ("shaft", ShaftLimits),
+#: Keys of records in the results, in the order of the table's rows.
+ORDER = (
+    "loads",
+    "axial",
+    "nut",
+    "load_point",
+    "rigidities",
+    "worst_contact",
+    "rib_contact",
+    "truncation",
+    "static_safety",
+    "preload",
+    "contact_lost",
+    "clearance",
+    "friction",
+    "roller_torque",
+    "bearing_torque",
+    "drive",
+    "life",
+    "modified_life",
+    "reference_life",
+    "standard_life",
+    "axis_life",
+    "ratings",
+    "shaft",
 )
-#: Fields of `ExpectedModelErrors` whose expected errors are in per cent of the mean contact load.
-OF_MEAN = ("percent", "rms_percent")
+#: Fields of `ExpectedError` whose expected errors are in per cent of the mean contact load.
+OF_MEAN = ("loads", "loads_rms")
+#: Names of the attributes with the records of results, where they differ from the keys.
+FIELDS = {"loads": "load_summary", "contact_lost": "lift_off"}
 #: Note in the table of results if the preload is not known.
 UNKNOWN = "no equilibrium was found without the scene's loads"
-#: Groups of the JSON summary of several nuts or bearings that describe the whole shaft, not one nut or bearing.
-OF_ALL = ("axial", "nut", "load_point", "tangent_words", "drive", "axis_life")
-#: Columns of the table of nuts and bearings on a shaft: group in the JSON summary of each, key in this group, heading.
+#: Columns of the table of nuts and bearings on a shaft: record in the results of each, its quantity, heading.
 OF_SETS = (
     ("nut", "tangent_N_per_um", "rigidity, tangent N/um"),
     ("nut", "across_um", "across um"),
@@ -84,82 +77,103 @@ OF_SETS = (
 )
 
 
-def solution_rows(solved: SceneSolution | ShaftSolution, *, details: bool = False) -> list[Row]:
-    """Return the rows of the table of results of a solved scene.
-
-    For several nuts or bearings on a shaft, the rows of the whole shaft come first, then the rows of the nut or bearing
-    with the worst contact.
+def nested_records(record: Any, *without: str) -> dict[str, Any]:
+    """Return the records among the quantities of a record by their keys, in the order of `ORDER`; None if not known.
 
     Parameters
     ----------
-    solved
-        The solved scene.
-    details
-        Whether to include quantities that a designer seldom needs.
-
-    Returns
-    -------
-    list[Row]
-        The rows; empty if there is no equilibrium.
+    record
+        Results, such as those of a nut.
+    *without
+        Keys that are left out.
     """
-    if solved.derived_results is None:
-        return []
-    supports = _support_load_rows(solved.derived_results.load_path)
-    if isinstance(solved, SceneSolution):
-        summary = scene_json.single_set_results_json(solved)
-        return [*rows_from_summary_json(summary, solved.expected_errors, details=details), *supports]
-    data = scene_json.axis_summary_json(solved)
-    whole = {key: data.pop(key) for key in OF_ALL if key in data}
-    names = [solved.derived_results.set_results[i].name for i in solved.derived_results.set_indices_by_pressure[:1]]
-    worst = rows_from_summary_json(data, solved.expected_errors, details=details) if names else []
-    head = rows_from_summary_json(whole, solved.expected_errors, details=details)
-    return [*head, *supports, *(Row("nut or bearing, worst contact", name) for name in names), *worst]
+    found = {x.key: x.shown(getattr(record, name)) for name, x in quantity_descriptions(type(record))}
+    found |= {"rigidities": record.rigidities} if hasattr(record, "rigidities") else {}
+    return {key: found[key] for key in ORDER if key in found and key not in without}
 
 
-def rows_from_summary_json(
-    data: Mapping[str, Any], expected_errors: ExpectedModelErrors | None = None, *, details: bool = False
+def record_rows(
+    records: Mapping[str, Any],
+    expected_error: ExpectedError | None = None,
+    parts: Sequence[Any] = (),
+    *,
+    details: bool = False,
 ) -> list[Row]:
-    """Return the rows of the table of results for the quantities in the JSON summary of a scene.
+    """Return the rows of the table of results for the quantities of several records.
 
     Parameters
     ----------
-    data
-        The JSON summary of a scene.
-    expected_errors
+    records
+        Records by the key of each in the results.
+    expected_error
         Errors to expect of the values; None if they are not known.
+    parts
+        Results that contain the records, and say why values are missing.
     details
         Whether to include quantities that a designer seldom needs.
 
     Returns
     -------
     list[Row]
-        The rows, in the order of `GROUPS`.
+        The rows, in the order of `ORDER`.
     """
-    found = []
-    mean = (data.get("loads") or {}).get("mean_N")
-    for (group, _), (kind, table, stated) in zip(GROUPS, _summary_groups(data), strict=True):
-        for key, x in stated if details else [pair for pair in stated if pair[1].heading]:
-            known = expected_errors if table.get("along", "z") == "z" else None  # compared along the axis only
-            row = _quantity_row(table, key, x, known, mean) if key != "of" else None
-            if row is not None and (details or row.unit or row.value not in ("0", "no")):
-                of = _part_of(table) or ("" if x.heading or not group else f"{group.replace('_', ' ')}: ")
-                found.append(row._replace(quantity=f"{of}{row.quantity}"))
-        found += _missing_value_rows(data, kind)
+    found: list[Row] = []
+    mean = getattr(records.get("loads"), "mean", None)
+    for key, record in sorted(records.items(), key=lambda one: ORDER.index(one[0])):
+        if record is not None and not (isinstance(record, Preload) and not record.contacts):
+            kind, table = (Friction, record) if isinstance(record, dict) else (type(record), record_as_json(record))
+            found += group_rows(kind, table, "" if key == "rigidities" else key, expected_error, mean, details=details)
+        found += [row for part in parts for row in _missing_value_rows(key, part)]
     return found
 
 
-def rows_with_reference(
-    data: Mapping[str, Any], reference: Mapping[str, Any], expected_errors: ExpectedModelErrors | None
-) -> Iterator[tuple[str, str, str, str, str, str]]:
-    """Yield a table row for each quantity that the JSON summaries of both a model and the reference contain.
+def group_rows(
+    kind: type,
+    table: Mapping[str, Any],
+    group: str = "",
+    expected_error: ExpectedError | None = None,
+    mean: float | None = None,
+    *,
+    details: bool = False,
+) -> Iterator[Row]:
+    """Yield the rows of the table of results for the quantities of one record.
 
     Parameters
     ----------
-    data
-        JSON summary of the model.
-    reference
-        JSON summary of the reference.
-    expected_errors
+    kind
+        Class of the record.
+    table
+        Its JSON values.
+    group
+        Key of the record in the results, with which the names of quantities without heading begin.
+    expected_error
+        Errors to expect of the values; None if they are not known.
+    mean
+        Mean contact load [N].
+    details
+        Whether to include quantities that a designer seldom needs.
+    """
+    known = expected_error if table.get("along", "z") == "z" else None  # compared along the axis only
+    for _, x in quantity_descriptions(kind):
+        key = x.key.removeprefix("torque.")
+        if key == "of" or not (details or x.heading):
+            continue
+        row = _quantity_row(table, key, x, known, mean)
+        if row is not None and (details or row.unit or row.value not in ("0", "no")):
+            of = _part_of(table) or ("" if x.heading or not group else f"{group.replace('_', ' ')}: ")
+            yield row._replace(quantity=f"{of}{row.quantity}")
+
+
+def rows_with_reference(
+    records: Mapping[str, Any], reference: Mapping[str, Any], expected_error: ExpectedError | None
+) -> Iterator[tuple[str, str, str, str, str, str]]:
+    """Yield a table row for each quantity that the results of both a model and the reference contain.
+
+    Parameters
+    ----------
+    records, reference
+        Records of the model and of the reference, by the key of each in the results.
+    expected_error
         Errors to expect of the model; None if they are not known.
 
     Yields
@@ -167,35 +181,17 @@ def rows_with_reference(
     tuple[str, str, str, str, str, str]
         Name, value of the model, value of the reference, unit, difference [%], and the error that was expected.
     """
-    theirs = {
-        (kind, key): _json_value_at(table, key) for kind, table, stated in _summary_groups(reference) for key, _ in stated
-    }
-    mean = (data.get("loads") or {}).get("mean_N")
-    for kind, table, stated in _summary_groups(data):
-        for key, x in stated if kind is not Ratings else ():
-            value, other = _json_value_at(table, key), theirs.get((kind, key))
-            if x.heading and isinstance(value, float) and isinstance(other, float):
+    mean = getattr(records.get("loads"), "mean", None)
+    for group, record in records.items():
+        table: dict[str, Any] = record_as_json(record) or {}
+        theirs: dict[str, Any] = record_as_json(reference.get(group)) or {}
+        for x in [x for _, x in quantity_descriptions(type(record)) if x.heading] if group != "ratings" else ():
+            value, other = table.get(x.key), theirs.get(x.key)
+            if isinstance(value, float) and isinstance(other, float):
                 name, unit = _quantity_name_and_unit(x)
                 off = f"{float(error_percent(value, other)):+z.2f} %" if other else ""
-                expected = _expected_error_of_value(value, x.expected, expected_errors, mean)[1]
+                expected = _expected_error_of_value(value, x.expected, expected_error, mean)[1]
                 yield f"{_part_of(table)}{name}", format_by_error(value), format_by_error(other), unit, off, expected
-
-
-def _summary_groups(
-    data: Mapping[str, Any],
-) -> Iterator[tuple[type, Mapping[str, Any], list[tuple[str, QuantityDescription]]]]:
-    """Yield record class, values in a JSON summary, and definitions for each group of quantities in `GROUPS`.
-
-    ``data``: JSON summary of a scene. The values are a mapping, empty if the summary does not contain the group. The
-    definitions are pairs of JSON key and definition, for all quantities of the group.
-    """
-    for group, kind in GROUPS:
-        table = data.get(group) if group else data
-        stated = [(x.key.removeprefix("torque."), x) for _, x in quantity_descriptions(kind)]
-        known = isinstance(table, Mapping) and _json_value_at(table, stated[0][0]) is not ...
-        if kind is Preload and table and not table["loaded_contacts"]:
-            known = False
-        yield kind, table if known and table else {}, stated
 
 
 def _quantity_name_and_unit(definition: QuantityDescription) -> tuple[str, str]:
@@ -224,11 +220,7 @@ def _json_value_at(table: Mapping[str, Any], key: str) -> Any:
 
 
 def _quantity_row(
-    table: Mapping[str, Any],
-    key: str,
-    definition: QuantityDescription,
-    errors: ExpectedModelErrors | None,
-    mean: float | None,
+    table: Mapping[str, Any], key: str, definition: QuantityDescription, errors: ExpectedError | None, mean: float | None
 ) -> Row | None:
     """Return the row of one quantity in the table of results; None if the table cannot show its value.
 
@@ -254,11 +246,11 @@ def _quantity_row(
 
 
 def _expected_error_of_value(
-    value: float, expected: tuple[str, float], expected_errors: ExpectedModelErrors | None, mean_load: float | None
+    value: float, expected: tuple[str, float], expected_errors: ExpectedError | None, mean_load: float | None
 ) -> tuple[float | None, str]:
     """Return the expected error of a value twice: in the unit of the value, and as text in per cent.
 
-    ``expected``: name of the field of `ExpectedModelErrors` with the error in per cent, and a factor by which this error is
+    ``expected``: name of the field of `ExpectedError` with the error in per cent, and a factor by which this error is
     multiplied. ``expected_errors``: errors to expect; None if they are not known. ``mean_load``: mean contact load [N],
     which some errors are relative to. Returns None and an empty text if the error is not known.
     """
@@ -284,33 +276,30 @@ def _fill_note_template(table: Mapping[str, Any], template: str) -> str:
         return ""
 
 
-def _missing_value_rows(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
-    """Yield table rows that state why the quantities of the record class ``kind`` have no value.
-
-    ``data``: JSON summary of the scene.
-    """
-    preload, lost, drive = (data.get(key) or {} for key in ("preload", "contact_lost", "drive"))
-    if kind is scene_json.BallLoadSummary and "loads" in data and data["loads"] is None:
+def _missing_value_rows(key: str, part: Any) -> Iterator[Row]:
+    """Yield table rows that state why the record ``key`` of some results has no value; ``part``: the results."""
+    found: Any = getattr(part, FIELDS.get(key, key), ...)
+    if key == "loads" and found is None:
         yield Row("contact loads", "none", note="no contact carries load")
-    elif kind is LoadPointStiffness and (words := data.get("tangent_words")):
-        yield Row("rigidities, tangent", "none", note=words)
-    elif kind is Preload and "preload" in data and not preload.get("loaded_contacts"):
-        known = "without the loads"
-        yield Row("preload", "none" if preload else "not known", note=known if preload else UNKNOWN)
-    elif kind is LiftOff and lost.get("words"):
-        yield Row("factor on loads that opens a contact", "not known", note=lost["words"])
-    elif kind is Friction and data.get("friction_words"):
-        yield Row("friction torque", "none", note=data["friction_words"])
-    elif kind is AxisDrive and drive and drive["running_torque_Nmm"] is None:
-        words = "; ".join(dict.fromkeys(x["words"] for x in drive["sets"] if x["words"]))
+    elif key == "load_point" and found is not ... and part.tangent_words:
+        yield Row("rigidities, tangent", "none", note=part.tangent_words)
+    elif key == "preload" and hasattr(part, "lift_off") and not (found and found.contacts):
+        yield Row("preload", "none" if found else "not known", note="without the loads" if found else UNKNOWN)
+    elif isinstance(found, LiftOff) and found.words:
+        yield Row("factor on loads that opens a contact", "not known", note=found.words)
+    elif key == "friction" and found is not ... and part.friction_words:
+        yield Row("friction torque", "none", note=part.friction_words)
+    elif isinstance(found, AxisDrive) and found.running is None:
+        words = "; ".join(dict.fromkeys(x.words for x in found.sets if x.words))
         yield Row("motor torque, running", "not known", note=words)
-    elif kind is SystemLife and data.get("axis_life") and data["axis_life"]["L10_million_revolutions"] is None:
+    elif isinstance(found, SystemLife) and found.basic is None:
         yield Row("life L10 of the whole axis", "–", note="L10 of a nut or bearing is not known")
-    elif kind is BasicRatingLife and "life" in data and data["life"] is None:
-        yield Row("life L10", "–", note=data.get("rating_refused") or data.get("life_words") or "no load")
+    elif key == "life" and found is None and hasattr(part, "life_by_loads"):
+        words = getattr(part, "rating_refused", "") or part.life_words or "no load"
+        yield Row("life L10", "–", note=words)
 
 
-def _support_load_rows(path: LoadPath | None) -> Iterator[Row]:
+def support_load_rows(path: LoadPath | None) -> Iterator[Row]:
     """Yield a table row for each part of the external load that a support carries: one per support and load component.
 
     ``path``: record of the load that each support carries; None: no rows.
@@ -324,33 +313,37 @@ def _support_load_rows(path: LoadPath | None) -> Iterator[Row]:
                 yield Row("load carried by a support", format_by_error(part), unit, "", f"{COMPONENTS[k]} by {taker.name}")
 
 
-def bearing_and_nut_rows(solved: ShaftSolution) -> list[dict[str, Any]]:
+def bearing_and_nut_rows(sets: Mapping[str, SetResult]) -> list[dict[str, Any]]:
     """Return a table row for each nut or bearing on a shaft: name, position, axial force, rigidity, loads and life.
 
     Parameters
     ----------
-    solved
-        The solved shaft.
+    sets
+        Results of each nut or bearing by name.
 
     Returns
     -------
     list[dict[str, Any]]
-        Texts of each row, by the headings in `OF_SETS` and others. Columns without any value are left out. Empty if there
-        is no equilibrium.
+        Texts of each row, by the headings in `OF_SETS` and others. Columns without any value are left out.
     """
-    if solved.derived_results is None:
-        return []
     found = []
-    for k, (s, answers) in enumerate(zip(solved.result.sets, solved.derived_results.set_results, strict=True), 1):
-        data = scene_json.nut_or_bearing_summary_json(s, answers, solved.scene.motion)
-        row: dict[str, Any] = {"set": f"{k} {s.of.name}", "z mm": f"{1e3 * s.of.position:.1f}"}
-        row["axial force N"] = format_by_error(float(s.force[2]))
+    for k, s in enumerate(sets.values(), 1):
+        records = nested_records(s)
+        row: dict[str, Any] = {"set": f"{k} {s.name}", "z mm": f"{1e3 * s.position:.1f}"}
+        row["axial force N"] = None if s.force is None else format_by_error(float(s.force[2]))
         for group, key, heading in OF_SETS:
-            value = (data.get(group) or {}).get(key)
+            value = quantity_value(records.get(group), key)
             shown = format_range if isinstance(value, list) else format_by_error
             row[heading] = None if value is None else shown(value)
         found.append(row)
     return [{key: row[key] or "–" for key in row if any(x[key] for x in found)} for row in found]
+
+
+def quantity_value(record: Any, key: str) -> Any:
+    """Return a quantity of a record in the unit of its key; None if the record is None or has no such quantity."""
+    kind: Any = type(record)
+    stated = quantities_of_record(kind).get(key)
+    return None if stated is None else stated.value(record)
 
 
 def friction_rows(data: Mapping[str, Any]) -> list[Row]:
@@ -371,7 +364,13 @@ def friction_rows(data: Mapping[str, Any]) -> list[Row]:
     if torque and data.get("motion"):
         torque["speed_rpm"] = float(f"{abs(data['motion']['speed_rad_s']) * 30.0 / pi:.6g}")
     band = data.get("band") and data["band"] | dict(zip(("least", "most"), data["band"]["coefficients"], strict=True))
-    return rows_from_summary_json({"friction": torque, "band": band, "drive": data.get("drive")})
+    groups: tuple[tuple[type, Any], ...] = (Friction, torque), (FrictionBand, band), (AxisDrive, data.get("drive"))
+    rows = [row for kind, table in groups for row in group_rows(kind, table or {})]
+    drive = data.get("drive")
+    if drive and drive["running_torque_Nmm"] is None:
+        words = "; ".join(dict.fromkeys(x["words"] for x in drive["sets"] if x["words"]))
+        rows.append(Row("motor torque, running", "not known", note=words))
+    return rows
 
 
 def duty_cycle_rows(cycle_results: DutyCycleResults) -> list[Row]:
@@ -387,14 +386,19 @@ def duty_cycle_rows(cycle_results: DutyCycleResults) -> list[Row]:
     list[Row]
         The rows.
     """
-    rows = rows_from_summary_json(scene_json.cycle_results_json(cycle_results))
+    lives = cycle_results.shortest_lives
+    records = nested_records(lives) | ({"axis_life": cycle_results.axis_life} if len(cycle_results.lives) > 1 else {})
+    rows = [
+        *group_rows(DutyCycleResults, record_as_json(cycle_results)),
+        *record_rows(records, None, (lives, cycle_results)),
+    ]
     rows = [row._replace(note=cycle_results.shortest) if row.quantity == "life L10" else row for row in rows]
     if cycle_results.uncovered:
         rows.append(Row("error to expect", "not covered", note=f"cases {', '.join(cycle_results.uncovered)}"))
     return rows
 
 
-def expected_error_sentence(expected_errors: ExpectedModelErrors | None) -> str:
+def expected_error_sentence(expected_errors: ExpectedError | None) -> str:
     """Return a sentence on how the expected errors were estimated, or why they are not known.
 
     Parameters
@@ -412,7 +416,7 @@ def expected_error_sentence(expected_errors: ExpectedModelErrors | None) -> str:
         unknown = "not known for several nuts or bearings on one shaft other than a double nut"
         return f"error to expect: {unknown}; measure it by: rollbench compare SCENE"
     nearest, words = expected_errors.nearest, "; ".join(expected_errors.words)
-    if expected_errors.percent is None:
+    if expected_errors.loads is None:
         away = f" (most similar scene: {nearest})" if nearest else ""
         return f"error to expect: not covered by the comparisons with the 3D reference{away}; {words}"
     if expected_errors.calibrated:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.answers import SceneResults
 from rollbench.compare.quantities import json_number, quantities_of_record, record_as_json
 from rollbench.compare.results.base import JSON, Record, add_schema_version
 from rollbench.compare.results.solved import Result
@@ -196,14 +195,14 @@ def compare_results_side_by_side(results: Sequence[Result], names: Sequence[str]
         The comparison.
     """
     scenes = tuple(_alternative_of_result(one, name) for one, name in zip(results, names, strict=True))
-    if len({isinstance(one.solved[0].scene, Assembly) for one in results}) > 1:  # the shaft is in one and not in the other
+    if len({isinstance(one.described, Assembly) for one in results}) > 1:  # the shaft is in one and not in the other
         scenes = tuple(replace(one, radial_stiffness=None) for one in scenes)
     first = [next(iter(one.cases.values()), one) for one in results]
     if len({x.nut.of.rstrip("s").split()[-1] for x in first if x.nut is not None}) > 1:  # a nut beside bearings
         scenes = tuple(replace(one, nut_tangent=None, nut_displacement=None) for one in scenes)
     if len({x.load_point.along for x in first if x.load_point is not None}) > 1:
         scenes = tuple(replace(one, load_point_tangent=None, load_point_displacement=None) for one in scenes)
-    differ = _names_of_differing_inputs([one.solved[0].scene for one in results])
+    differ = _names_of_differing_inputs([one.described for one in results])
     return SideBySide(model=results[0].model, scenes=scenes, differ=tuple(differ))
 
 
@@ -215,19 +214,18 @@ def _alternative_of_result(result: Result, name: str) -> Alternative:
     """
     first = next(iter(result.cases.values()), result)
     K, worst, life, system = first.stiffness, first.worst, result.life, result.axis_life
-    speed = None if first.solved[0].scene.motion is None else first.solved[0].scene.motion.speed
     running, starting, inertia = _torque_ranges_and_inertia(first)
     across = None if K is None or not np.isfinite(K[:2, :2]).all() else float(np.linalg.eigvalsh(K[:2, :2])[0])
     nut, at_load = first.nut, first.load_point
     loads = [x.max() for x in (first.loads, *(s.roller_loads for s in first.sets.values())) if x is not None and x.size]
     revolutions = hours = None
-    basic = None if life is None else 1e-6 * life.L10
+    basic = None if life is None else life.revolutions
     if system is not None:
         revolutions, hours, basic = system.revolutions, system.hours, system.basic
     elif (reference := result.reference_life) is not None:
-        revolutions, hours = reference.revolutions, reference.hours(speed) if speed else None
+        revolutions, hours = reference.revolutions, reference.hours
     elif life is not None:
-        revolutions, hours = 1e-6 * life.L10, None if life.seconds is None else life.seconds / 3600.0
+        revolutions, hours = life.revolutions, life.hours
     return Alternative(
         scene=name,
         status=result.status if result.converged else f"{result.status}: {result.reason}",
@@ -246,7 +244,7 @@ def _alternative_of_result(result: Result, name: str) -> Alternative:
         life=revolutions,
         hours=hours,
         shortest=None if system is None else system.shortest,
-        warnings=tuple(dict.fromkeys(w for one in result.solved for w in one.result.warnings)),
+        warnings=result.warnings,
     )
 
 
@@ -256,8 +254,7 @@ def _torque_ranges_and_inertia(one: Result) -> tuple[Band | None, Band | None, f
         return one.drive.running, one.drive.starting, one.drive.inertia
     if one.bearing_torque is not None:
         return one.bearing_torque.running, one.bearing_torque.starting, None
-    answers = one.solved[0].derived_results
-    sums: Mapping[str, Any] | None = answers.friction if isinstance(answers, SceneResults) else None
+    sums = None if one.only is None else one.only.friction
     driving = None if sums is None else sums["driving_torque_on_screw_Nmm"]
     return None if driving is None else (1e-3 * driving, 1e-3 * driving), None, None
 

@@ -1,44 +1,74 @@
-"""Records that `rollbench.solve` returns: contact loads, displacement, stiffness and life of a scene."""
+"""Record that `rollbench.solve` returns: contact loads, displacement, stiffness and life of a scene, and how it is made."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.compare.models.answers import LoadResults, NutOrBearingResults, RollerLoadResults
-from rollbench.compare.models.load_cases import DutyCycleResults, SceneSolution, ShaftSolution
+from rollbench.compare.measure import error_percent, mean_load
+from rollbench.compare.models import answers, loading
+from rollbench.compare.models.load_cases import (
+    AxisDrive,
+    DutyCycleResults,
+    compute_duty_cycle_results,
+    life_of_turning_sets,
+    motor_torques_and_inertias,
+    with_friction_of_nuts,
+)
+from rollbench.compare.models.loading import LoadPath, Preload
+from rollbench.compare.models.model_form import ExpectedError, estimate_double_nut_error, estimate_model_error
 from rollbench.compare.models.programs import model_title
-from rollbench.compare.models.stiffness import LoadPointStiffness, NutStiffness
+from rollbench.compare.models.registry import ModelOptions, has_random_errors, run_model
+from rollbench.compare.models.set_results import Balls, SetResult, flank_load_summaries
+from rollbench.compare.models.stiffness import (
+    LoadPointStiffness,
+    NutStiffness,
+    place_of_displacement,
+    stiffness_of_scene,
+    stiffness_together,
+)
+from rollbench.compare.quantities import count_with_noun, json_number, record_as_json
 from rollbench.compare.results.base import JSON, Record, Row, add_schema_version, format_table_as_html, warn_of_deprecation
-from rollbench.compare.results.rows import bearing_and_nut_rows, duty_cycle_rows, expected_error_sentence, solution_rows
-from rollbench.compare.results.scene_json import duty_cycle_json, solved_case_json
-from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.lowfi.rating.contacts import BallContact, contact_pressures
-from rollbench.lowfi.statics.result import SetResult as SolvedSet
-from rollbench.lowfi.statics.result import StaticResult
+from rollbench.compare.results.rows import (
+    bearing_and_nut_rows,
+    duty_cycle_rows,
+    expected_error_sentence,
+    nested_records,
+    record_rows,
+    support_load_rows,
+)
+from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
+from rollbench.lowfi.rating.catalogue_checks import warn_of_overall_friction_coefficient
+from rollbench.lowfi.rating.contacts import WorstContact
+from rollbench.lowfi.rating.displacement import motion_at
+from rollbench.lowfi.rating.life import Life
+from rollbench.lowfi.rating.rigidity import axial_force
+from rollbench.lowfi.statics.result import AxisResult, StaticResult, motion_in_um_and_mrad
 from rollbench.lowfi.statics.tangent import TangentStiffness
+from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.quantity import quantity_field, result_record
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
-    from rollbench.compare.models import loading
-    from rollbench.compare.models.load_cases import AxisDrive
-    from rollbench.compare.models.model_form import ExpectedModelErrors
-    from rollbench.lowfi.bearings.tapered_roller import RibContact
-    from rollbench.lowfi.bearings.torque import BallBearingTorque, RollerBearingTorque
-    from rollbench.lowfi.rating import life as rating
+    from rollbench.compare.reference.estimate import Reference
+    from rollbench.lowfi.bearings.torque import BallBearingTorque
     from rollbench.lowfi.rating.catalogue_checks import ShaftLimits
     from rollbench.lowfi.rating.iso_lives import ModifiedLife, ReferenceLife
     from rollbench.lowfi.rating.life import SystemLife
+    from rollbench.reports.content import LoadCaseView, SceneView
+
+#: JSON keys of a nut or bearing that are not repeated in the summary of the whole shaft.
+OF_A_SET = ("sides", "nut", "preload", "starting_torque", "bearing_torque", "clearance", "roller_torque")
 
 
 class Status(StrEnum):
@@ -54,170 +84,66 @@ class Status(StrEnum):
     """The solver was interrupted, or reached its limit of steps."""
 
 
-@dataclass(frozen=True)
-class Life:
-    """Life L10, which 90 % of identical screws or bearings reach.
+@result_record
+class AxialResults:
+    """Axial force [N] on a screw, bearing or shaft, and a stiffness of the model liu [N/m]."""
 
-    Of a nut by its contact loads (ISO 3408-5), of a bearing (C/P)^p by the equivalent load P of ISO 281.
-    """
-
-    L10: float
-    """Life L10 [revolutions]."""
-    distance: float | None
-    """Travel of the nut until the end of the life L10 [m]; None for bearings."""
-    seconds: float | None
-    """Running time until the end of the life L10 [s] at the scene's speed; None if the scene states no speed."""
-    rating: float
-    """Basic dynamic load rating [N], computed from the geometry: axial for screws and thrust bearings, otherwise radial."""
-    equivalent_load: float
-    """Equivalent dynamic load [N]: the constant load for which the basic dynamic load rating gives the same life."""
-    standard: str
-    """Standard whose formulas are used, such as ISO 3408-5."""
-    by_maker: float | None = None
-    """Life L10 with the maker's C of the scene in place of the computed one [revolutions]; None without such a C."""
-
-
-@dataclass(frozen=True)
-class Preload:
-    """Contact loads that remain when all external loads of the scene are removed."""
-
-    mean: float
-    """Mean load of the loaded contacts [N]."""
-    largest: float
-    """Largest contact load [N]."""
-    axial: float
-    """Internal axial force [N]; for one of several nuts or bearings on a shaft, its axial force on the shaft."""
-    contacts: int
-    """Number of loaded contacts."""
-
-
-@dataclass(frozen=True)
-class WorstContact:
-    """The contact of a rolling body with a raceway that has the highest pressure."""
-
-    set: str
-    """Name of the nut or bearing that the contact belongs to; empty if the scene has only one."""
-    element: int
-    """Number of the ball or roller, counted from 1."""
-    side: str
-    """Flank that a ball touches (SL, SR, NL, NR: screw or nut, left or right), or race of a roller (inner, outer)."""
-    force: float
-    """Contact load [N]."""
-    pressure: float
-    """Hertz pressure at the centre of the contact [Pa]."""
-    safety: float
-    """Static safety factor [1]: contact load at the allowed pressure (balls 4200 MPa, rollers 4000 MPa) divided by the
-    contact load."""
-    angle: float | None
-    """Contact angle [rad]; None for rollers."""
-    approach: float | None
-    """Elastic approach of ball and groove [m]; None for rollers."""
-    semi_axes: tuple[float, float] | None
-    """Semi-axes of the contact ellipse, across and along the groove [m]; None for rollers."""
+    force: float = quantity_field(
+        "force_N",
+        "axial force on the screw, from the external loads and the reactions; positive towards larger z",
+        heading="axial force",
+    )
+    stiffness_over_load_step: float | None = quantity_field(
+        "stepped_N_per_um",
+        "stiffness by the model liu over the load step `ingredients.load_step`, at the first loaded ball (Liu, equations "
+        "19 to 22)",
+        error="not known: the model has not been compared with the 3D reference",
+        heading="rigidity over the load step",
+        optional=True,
+        default=None,
+    )
 
 
 @result_record
-class ExpectedError:
-    """Error to expect of a model's results, estimated from its errors against the 3D reference on similar scenes.
+class StiffnessAtPosition:
+    """Tangent stiffness (6, 6) [N/m, N/rad, N m/rad] at an axial position [m]; nan in fixed degrees of freedom."""
 
-    A field is None if no similar scene has been compared with the 3D reference.
-    """
-
-    loads: float | None = quantity_field(
-        "expected_error_percent", "largest error of a contact load that `model_form` estimates for the model"
+    station: float | None = quantity_field(
+        "station_mm", "axial position on the shaft at which the 6 x 6 stiffness is taken"
     )
-    """Largest error of a contact load [% of the mean contact load]."""
-    loads_rms: float | None
-    """RMS error of the contact loads [% of the mean contact load]."""
-    displacement: float | None = quantity_field(
-        "expected_displacement_error_percent", "expected error of the displacement of the load's point, along z"
+    status: str = quantity_field("status")
+    """Status of the solution, such as "converged"."""
+    freedoms: tuple[str, ...] = quantity_field("freedoms")
+    """Names of the degrees of freedom of the rows and columns: ux, uy, uz, rx, ry, rz."""
+    matrix: Array = quantity_field(
+        "matrix",
+        "row by row: change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] of the shaft at "
+        "this position, with the nut fixed; null in degrees of freedom that a support fixes",
+        parts="[][]",
     )
-    """Error of the axial displacement of the load's point [%]."""
-    rigidity: float | None = quantity_field(
-        "expected_rigidity_error_percent", "expected error of the tangent rigidity of the load's point, along z"
+
+
+@result_record
+class AxisPointDisplacement:
+    """Displacement and rotation (6,) [m, rad] of a point on the screw's axis, at an axial position [m]."""
+
+    z: float = quantity_field("z_mm", "axial position of a point on the screw's axis")
+    motion: Array = quantity_field(
+        "ux_um",
+        "displacement of this point along x",
+        QuantityDescription("uy_um", "displacement of this point along y", show=lambda motion: motion[1]),
+        QuantityDescription("uz_um", "displacement of this point along z", show=lambda motion: motion[2]),
+        show=lambda motion: motion[0],
     )
-    """Error of the axial tangent rigidity of the load's point [%]."""
-    pressure: float | None = quantity_field("expected_pressure_error_percent", "expected error of the largest pressure")
-    """Error of the largest pressure [%]."""
-    nearest: str
-    """Name of the most similar scene that was compared with the 3D reference."""
-    words: tuple[str, ...]
-    """Explanations: how the scene differs from the compared scenes, and why no error can be estimated."""
 
 
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class Balls:
-    """Positions of n balls, and the loads, angles and pressures of their contacts, as arrays with a row for each ball.
-
-    The four columns are the groove flanks SL, SR, NL, NR (screw or nut, left or right, seen along +z). All fields are None
-    for rollers. Without an equilibrium, loads, angles and pressure are None too.
-    """
-
-    azimuth: Array | None = None
-    """Azimuth of every ball about the axis, (n,) [rad]."""
-    z: Array | None = None
-    """Axial position of every ball, (n,) [m]."""
-    loads: Array | None = None
-    """Contact loads of n balls on the four groove flanks, (n, 4) [N]; zero without contact."""
-    angles: Array | None = None
-    """Contact angles of n balls under load, from the radial plane, (n, 4) [rad]; nan without contact."""
-    pressure: Array | None = None
-    """Largest pressure in every contact of n balls, by the model or Hertz's theory, (n, 4) [Pa]; zero without contact."""
-
-
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class SetResult(Balls):
-    """Results of one nut, ball bearing or roller bearing out of several on a shaft."""
-
-    name: str
-    """Name of the nut or bearing in the scene."""
-    kind: str
-    """Kind of machine element: nut, bearing (with balls) or rollers (a roller bearing)."""
-    position: float
-    """Axial position on the shaft [m]."""
-    force: Array | None = None
-    """Resultant force of the nut's or bearing's balls or rollers on the shaft, (3,) [N]."""
-    moment: Array | None = None
-    """Moment of the nut's or bearing's balls or rollers on the shaft, about the shaft's axis at `position`, (3,) [N m]."""
-    stiffness: Array | None = None
-    """Tangent stiffness between shaft and fixed outer part, (6, 6) [N/m, N, N m], in the degrees of freedom ux, uy, uz,
-    rx, ry, rz."""
-    nut: NutStiffness | None = None
-    """Axial displacement [m] and stiffness [N/m] of this nut or bearing between its two parts, under the scene's loads."""
-    roller_loads: Array | None = None
-    """Loads of the rollers, (count,) [N]; None for balls."""
-    worst: WorstContact | None = None
-    """Contact with the highest pressure; None if no contact is loaded."""
-    life: Life | None = None
-    """Life L10; None if no contact is loaded, and where `life_words` gives another reason."""
-    life_words: str = ""
-    """Why there is no life L10, such as a load that ISO 281 does not cover, or rings that do not turn; else empty."""
-    rib: RibContact | None = None
-    """Contact of the most loaded roller with the rib of its ring; None for balls, and if no contact is loaded."""
-    torque: RollerBearingTorque | None = None
-    """Friction torque of a row of rollers [N m], from the work of friction and from Timken's formula; None for balls, and
-    if no contact is loaded."""
-    preload: Preload | None = None
-    """Contact loads without the external loads of the scene; None if there is no equilibrium without external loads."""
-    bearing_torque: BallBearingTorque | None = None
-    """Friction torque of a ball bearing [N m]; None for nuts, and if no contact is loaded."""
-    reference_life: ReferenceLife | None = None
-    """Life of a bearing by ISO/TS 16281 [10^6 revolutions]; None for nuts, and if no contact is loaded."""
-
-    def __repr__(self) -> str:
-        """Return name, kind and largest contact load of the nut or bearing."""
-        loads = self.loads if self.loads is not None else self.roller_loads
-        return f"{self.name} ({self.kind}): " + ("no loads" if loads is None else f"largest load {loads.max():.5g} N")
-
-
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+@result_record(eq=False, repr=False, kw_only=True)
 class Result(Record, Balls):
     """Results of a low-order model for a scene: contact loads, displacement, stiffness, pressures and life.
 
-    If there is no equilibrium, the results are None, and `status` and `reason` say why. With several nuts or bearings on
-    one shaft, the arrays list the balls of all, one nut or bearing after the other, and `sets` has the results of each.
-    With several load cases, `cases` has the result of each; `life` is then the life under all cases, and `worst` the worst
-    contact of all.
+    If there is no equilibrium, the results are None, and `status` and `reason` say why. `sets` has the results of each nut
+    or bearing; the arrays list the balls of all, one nut or bearing after the other. With several load cases, `cases` has
+    the result of each; `life` is then the life under all cases, and `worst` the worst contact of all.
 
     Examples
     --------
@@ -227,76 +153,198 @@ class Result(Record, Balls):
     (True, 2618, 12, 'SL')
     """
 
-    scene: str
-    """Name of the scene."""
-    model: str
-    """Name of the model."""
-    member: int
-    """Number of the specimen, from 0, in a scene with random errors."""
-    status: Status
-    """Outcome of the solution; with load cases, the outcome of the first case that did not converge."""
-    reason: str
-    """Why there is no equilibrium; empty if there is one."""
-    warnings: tuple[str, ...]
-    """Warnings about results outside the model's range of validity."""
-    assumed: tuple[str, ...]
-    """Assumptions made by the scene and by the model."""
-    left_out: tuple[str, ...]
-    """Effects that the model neglects in this scene."""
-    force: float | None = None
+    described: Scene | Assembly
+    """The solved scene; with load cases, that of the first."""
+    solution: StaticResult | AxisResult
+    """Solution of the model with status, warnings, equilibrium and centreline; the contact loads are those of `sets`."""
+    sets: Mapping[str, SetResult] = field(default_factory=dict)
+    """Results of each nut or bearing, by name; the name of the only one of a scene is empty."""
+    axial: AxialResults | None = quantity_field("axial", default=None)
     """Axial force of the screw on the nut [N]; with several nuts or bearings on one shaft, the sum of the axial loads on
     shaft and housings."""
-    nut: NutStiffness | None = None
-    """Displacement [m] and stiffness [N/m] of the nut or bearing between its two parts, without shaft and wind-up; of
-    several nuts, or bearings where there is no nut, together."""
-    load_point: LoadPointStiffness | None = None
+    load_point: LoadPointStiffness | None = quantity_field("load_point", default=None)
     """Displacement [m] and stiffness [N/m] of the point on which the load acts, to ground: shaft and supports included."""
-    displacement: Array | None = None
+    tangent_words: str = quantity_field("tangent_words", show=lambda words: words or None, default="")
+    """Why there is no tangent stiffness; empty if there is one, or if the model never gives one."""
+    displacement: Array | None = quantity_field(
+        "displacement",
+        "displacement and rotation, from the scene without loads, of the section or housing on which the load acts",
+        show=lambda moved: None if moved is None else motion_in_um_and_mrad(moved),
+        parts=".*",
+        default=None,
+    )
     """Displacement of the screw's cross-section or housing on which the load acts from its unloaded position, (6,)
     [m, rad], in the degrees of freedom ux, uy, uz, rx, ry, rz; without a force, at the nut's centre or ``stiffness_at``."""
-    stiffness: Array | None = None
-    """Tangent stiffness of the screw's cross-section at the nut's centre, or at ``stiffness_at``, with the nut fixed,
-    (6, 6) [N/m, N, N m]. With several nuts or bearings on one shaft: stiffness of the whole axis, nan in fixed degrees of
-    freedom. None if the model gives no stiffness."""
-    worst: WorstContact | None = None
-    """Contact with the highest pressure; with several nuts or bearings on one shaft, the contact with the highest ratio of
-    pressure to allowed pressure. None if no contact is loaded."""
-    life: Life | None = None
-    """Life L10; with several nuts or bearings on one shaft, the shortest of theirs, None if that of a loaded one is not
-    known. None if no contact is loaded, and where `life_words` gives another reason."""
-    life_words: str = ""
-    """Why there is no life L10, such as a load that ISO 281 does not cover; else empty."""
-    modified_life: ModifiedLife | None = None
-    """Life modified for reliability, lubricant and contamination [10^6 revolutions]; None if the scene states none of the
-    three, and with several nuts or bearings on one shaft."""
-    reference_life: ReferenceLife | None = None
-    """Life of a single bearing by ISO/TS 16281 [10^6 revolutions]; None for screws, and if no contact is loaded."""
-    shaft: ShaftLimits | None = None
-    """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of the screw; None for bearings, and with several
-    nuts or bearings on one shaft."""
-    preload: Preload | None = None
-    """Contact loads without the external loads of the scene; with several nuts or bearings, see each of `sets`."""
-    bearing_torque: BallBearingTorque | None = None
-    """Friction torque of a single bearing [N m]; None for nuts, and if no contact is loaded."""
-    drive: AxisDrive | None = None
+    tangent: TangentStiffness | None = None
+    """Tangent stiffness of the screw's cross-section at the nut's centre, or at ``stiffness_at``, with the nut fixed; None
+    with several nuts or bearings on one shaft, and if it is not computed."""
+    load_path: LoadPath | None = quantity_field("load_path", default=None)
+    """How the supports and the contacts share the loads of the scene; None without loads."""
+    drive: AxisDrive | None = quantity_field("drive", default=None)
     """Torques [N m] and moments of inertia [kg m^2] at the motor of an axis; None for a single nut or bearing."""
-    axis_life: SystemLife | None = None
+    axis_life: SystemLife | None = quantity_field("axis_life", default=None)
     """Life of all nuts and bearings of a shaft as one system, under all load cases; None for a single nut or bearing."""
     expected_error: ExpectedError | None = None
-    """Error to expect of the model's results. None with several nuts or bearings on one shaft, where it is not known, and
-    with load cases: see each of `cases`."""
-    sets: Mapping[str, SetResult] = field(default_factory=dict)
-    """Results of each nut or bearing on a shaft with several, by name; empty for a single nut or bearing."""
+    """Error to expect of the model's results. None with several nuts or bearings on one shaft other than a double nut,
+    where it is not known, and with load cases: see each of `cases`."""
     cases: Mapping[str, Result] = field(default_factory=dict)
     """Results of each load case, by name; empty without load cases."""
-    solved: tuple[SceneSolution | ShaftSolution, ...] = ()
-    """Records of the solver with further details; one for each load case."""
-    tangents: tuple[TangentStiffness | None, ...] = ()
-    """Stiffness at the axial position ``stiffness_at`` for each record of `solved`; None if no position was asked for."""
-    cycle: DutyCycle | None = None
-    """Duty cycle of the scene; None without load cases."""
-    together: DutyCycleResults | None = None
-    """Results over all load cases together, such as extremes and the life; None without load cases."""
+
+    @property
+    def scene(self) -> str:
+        """Name of the scene."""
+        return self.described.name
+
+    @property
+    def model(self) -> str:
+        """Name of the model."""
+        return self.solution.model
+
+    @property
+    def member(self) -> int:
+        """Number of the specimen, from 0, in a scene with random errors."""
+        return self.solution.member
+
+    @property
+    def status(self) -> Status:
+        """Outcome of the solution; with load cases, the outcome of the first case that did not converge."""
+        return Status(self.solution.status.kind)
+
+    @property
+    def reason(self) -> str:
+        """Why there is no equilibrium; empty if there is one."""
+        return self.solution.status.reason
+
+    @property
+    def warnings(self) -> tuple[ResultWarning, ...]:
+        """Warnings about results outside the model's range of validity."""
+        return self.solution.warnings
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """Assumptions made by the scene and by the model."""
+        return self.solution.assumed
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Effects that the model neglects in this scene."""
+        return self.solution.left_out
+
+    @property
+    def only(self) -> SetResult | None:
+        """Results of the nut or bearing of a scene with a single one; None with several on one shaft."""
+        return self.sets.get("")
+
+    @property
+    def ball_sets(self) -> list[tuple[Scene, StaticResult]]:
+        """Geometry and solution of each nut or bearing with balls."""
+        return [pair for s in self.sets.values() for pair in s.ball_sets]
+
+    @property
+    def force(self) -> float | None:
+        """Axial force of the screw on the nut [N]; of several nuts or bearings, sum of the loads on shaft and housings."""
+        return None if self.axial is None else self.axial.force
+
+    @property
+    def stiffness(self) -> Array | None:
+        """Tangent stiffness (6, 6) [N/m, N, N m] of the screw's cross-section, see `tangent`.
+
+        With several nuts or bearings on one shaft: stiffness of the whole axis, nan in fixed degrees of freedom. None if
+        the model gives no stiffness.
+        """
+        if isinstance(self.solution, AxisResult):
+            return self.solution.stiffness
+        return None if self.tangent is None or self.tangent.status != "converged" else self.tangent.matrix
+
+    @property
+    @QuantityDescription("nut")
+    def nut(self) -> NutStiffness | None:
+        """Displacement [m] and stiffness [N/m] of the nut or bearing between its two parts, without shaft and wind-up.
+
+        Of several nuts, or bearings where there is no nut, together. None if there is no equilibrium.
+        """
+        each = [s.nut for s in self.sets.values() if s.nut is not None]
+        return stiffness_together(each) if each else None
+
+    @property
+    def place_of_stiffness(self) -> str:
+        """Place at which `stiffness` is taken, and what is held fixed, as text; empty without a stiffness."""
+        if isinstance(self.solution, AxisResult):
+            return f"at {self.solution.stiffness_at}, with the supports of the scene fixed"
+        at = self.tangent
+        return "" if at is None else f"of the screw's cross-section at {1e3 * at.station:.6g} mm, with the nut fixed"
+
+    @property
+    def worst_set(self) -> SetResult | None:
+        """The nut or bearing whose highest pressure is the largest share of its allowed pressure; None without load."""
+        return next((self.sets[name] for name in answers.names_by_pressure(self.sets)), None)
+
+    @property
+    @QuantityDescription(
+        "worst_set", "nut or bearing row whose highest pressure is the largest share of its allowed pressure", optional=True
+    )
+    def number_of_worst_set(self) -> int | None:
+        """Number (from 1) of `worst_set` on a shaft with several nuts or bearings."""
+        return None if self.only or not self.worst_set else [*self.sets].index(self.worst_set.name) + 1
+
+    @property
+    def worst(self) -> WorstContact | None:
+        """Contact with the highest pressure, or None if no contact is loaded.
+
+        With several nuts or bearings on one shaft, the contact with the highest ratio of pressure to allowed pressure.
+        """
+        return None if self.worst_set is None else self.worst_set.worst
+
+    @property
+    def life(self) -> Life | None:
+        """Life L10; None if no contact is loaded, and where `life_words` gives another reason.
+
+        With several nuts or bearings on one shaft, the shortest of theirs, None if that of a loaded one is not known.
+        """
+        turning = [s for s in self.sets.values() if s.life is not None or s.reference_life is not None]
+        lives = [s.life for s in turning if s.life is not None]
+        return min(lives, key=lambda life: life.L10, default=None) if len(lives) == len(turning) else None
+
+    @property
+    def life_words(self) -> str:
+        """Why a single nut or bearing has no life L10, such as a load that ISO 281 does not cover; else empty."""
+        return "" if self.only is None else self.only.rating_refused or self.only.life_words
+
+    @property
+    def modified_life(self) -> ModifiedLife | None:
+        """Life of a single nut or bearing, modified for reliability, lubricant and contamination [10^6 revolutions].
+
+        None if the scene states none of the three.
+        """
+        return None if self.only is None else self.only.modified_life
+
+    @property
+    def reference_life(self) -> ReferenceLife | None:
+        """Life of a single bearing by ISO/TS 16281 [10^6 revolutions]; None for screws, and if no contact is loaded."""
+        return None if self.only is None else self.only.reference_life
+
+    @property
+    def shaft(self) -> ShaftLimits | None:
+        """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of the screw; None for bearings."""
+        return None if self.only is None else self.only.shaft
+
+    @property
+    def preload(self) -> Preload | None:
+        """Contact loads without the loads of the scene; with several nuts or bearings, see each of `sets`."""
+        return None if self.only is None else self.only.preload
+
+    @property
+    def bearing_torque(self) -> BallBearingTorque | None:
+        """Friction torque of a single bearing [N m]; None for nuts, and if no contact is loaded."""
+        return None if self.only is None else self.only.bearing_torque
+
+    @property
+    def discretisation_percent(self) -> float | None:
+        """Error of the loads due to the length of the beam elements [% of the mean contact load]; None if not estimated."""
+        change, one = self.solution.solver.discretisation, self.only
+        if change is None or one is None or one.loads is None:
+            return None
+        return json_number(float(error_percent(change, 0.0, mean_load(one.loads, one.nominal_contacts))))
 
     @property
     def converged(self) -> bool:
@@ -308,14 +356,14 @@ class Result(Record, Balls):
         """Contact loads of n balls, (n, 4) [N], or with load cases (cases, n, 4); deprecated, use `loads`."""
         warn_of_deprecation("result.load", "result.loads")
         each = [one.loads for one in self.cases.values() if one.loads is not None]
-        return np.array(each) if each else np.zeros((0, 4)) if self.sets or self.loads is None else self.loads
+        return np.array(each) if each else np.zeros((0, 4)) if not self.only or self.loads is None else self.loads
 
     @property
     def angle(self) -> Array:
         """Contact angles of n balls, (n, 4) [deg], or with load cases (cases, n, 4); deprecated, use `angles`, in rad."""
         warn_of_deprecation("result.angle", "result.angles, in rad")
         each = [one.angles for one in self.cases.values() if one.angles is not None]
-        found = np.array(each) if each else np.zeros((0, 4)) if self.sets or self.angles is None else self.angles
+        found = np.array(each) if each else np.zeros((0, 4)) if not self.only or self.angles is None else self.angles
         return np.degrees(found)
 
     def to_dict(self) -> dict[str, JSON]:
@@ -326,9 +374,61 @@ class Result(Record, Balls):
         dict
             JSON values by key; the keys end with the unit, such as ``max_N``.
         """
-        if self.cycle is None or self.together is None:
-            return add_schema_version(solved_case_json(self.solved[0], self.tangents[0]))
-        return add_schema_version(duty_cycle_json(self.cycle, self.solved, self.together, self.tangents))
+        return add_schema_version(self.to_json())
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the result as JSON values by key, without the version number of their format."""
+        found, of_axis = self.solution, dict[str, Any]()
+        numbered = [({} if self.only else {"set": k}, s) for k, s in enumerate(self.sets.values(), 1)]
+        if isinstance(found, AxisResult):
+            of_axis = {
+                "kind": getattr(self.described, "kind", ""),
+                "sets": [n | record_as_json(s.on_shaft) | {"summary": s.to_json()} for n, s in numbered if s.on_shaft],
+                "rollers": [n | record_as_json(row) for n, s in numbered for row in s.roller_rows()],
+                "housings": [record_as_json(housing) for housing in found.housings],
+                "stiffness": self._stiffness_json(),
+            }
+        line = zip(found.centreline_z, found.centreline, strict=True)
+        return {
+            "scene": self.scene,
+            "model": self.model,
+            "member": self.member if has_random_errors(self.described) else None,
+            "status": found.status,
+            **of_axis,
+            "balls": [n | record_as_json(row) for n, s in numbered for row in s.ball_rows()],
+            "summary": self.summary() if found.converged else {},
+            "centreline": [record_as_json(AxisPointDisplacement(z, motion)) for z, motion in line],
+            "equilibrium": record_as_json(found.equilibrium),
+            "solver": record_as_json(found.solver) | {"discretisation_percent": self.discretisation_percent},
+            "model_form": record_as_json(self.expected_error),
+            "assumed": list(self.assumed),
+            "left_out": list(self.left_out),
+            "warning": join_brief_warnings(found.warnings) or None,
+            "warnings": list(self.warnings),
+        }
+
+    def summary(self) -> dict[str, Any]:
+        """Return the results of the whole scene, and those of its only nut or bearing or of the worst one, as JSON."""
+        stiffness = self._stiffness_json()
+        if self.only is not None:
+            extra = {} if stiffness is None else {"stiffness": stiffness}
+            return self.only.to_json() | record_as_json(self, "drive", "axis_life") | extra
+        worst = {} if self.worst_set is None else self.worst_set.to_json()
+        loads = self.loads
+        data: dict[str, Any] = {key: value for key, value in worst.items() if key not in OF_A_SET}
+        if loads is not None:
+            data["sides"] = {side: record_as_json(x) for side, x in flank_load_summaries(loads).items()}
+        return data | record_as_json(self) | {"stiffness": stiffness}
+
+    def _stiffness_json(self) -> dict[str, Any] | None:
+        """Return the tangent stiffness with its place as JSON, null in fixed degrees of freedom; None if not computed."""
+        found, K = self.solution, self.tangent
+        if K is not None:
+            return record_as_json(StiffnessAtPosition(K.station, str(K.status), FREEDOMS, K.matrix))
+        if not isinstance(found, AxisResult) or found.stiffness is None:
+            return None
+        of_axis = StiffnessAtPosition(found.station, str(found.status), FREEDOMS, found.stiffness)
+        return {"at": found.stiffness_at} | record_as_json(of_axis)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return a pandas data frame with a row for every ball.
@@ -364,11 +464,9 @@ class Result(Record, Balls):
         >>> list(columns)[:5], round(float(columns["load_SL_N"][0]))
         (['ball', 'azimuth_rad', 'z_m', 'load_SL_N', 'load_SR_N'], 234)
         """
-        if self.cases:
-            return _stack_columns("case", {name: one.columns() for name, one in self.cases.items()})
-        if self.sets:
-            return _stack_columns("set", {name: _ball_contact_columns(one) for name, one in self.sets.items()})
-        return _ball_contact_columns(self)
+        if self.only is not None:
+            return _ball_contact_columns(self.only)
+        return _stack_columns("set", {name: _ball_contact_columns(one) for name, one in self.sets.items()})
 
     def plot(self) -> Figure:
         """Draw the contact loads over the ball number, in a panel for each nut or bearing and each load case.
@@ -404,10 +502,8 @@ class Result(Record, Balls):
 
         There is a panel for each nut or bearing and each load case. ``case``: text on the load case, added to the titles.
         """
-        if self.cases:
-            return [panel for name, one in self.cases.items() for panel in one._contact_loads_by_panel(f", case {name}")]
-        several = {f", {name}": one.loads for name, one in self.sets.items()}
-        each, model = several or {"": self.loads}, model_title(self.model)
+        each = {f", {name}" if name else "": one.loads for name, one in self.sets.items()}
+        model = model_title(self.model)
         return [(f"{self.scene}{case}{of}, {model}", loads) for of, loads in each.items() if loads is not None]
 
     def view(self, path: str | Path) -> Path:
@@ -451,13 +547,48 @@ class Result(Record, Balls):
         ValueError
             If there are no loads.
         """
-        from rollbench.compare.results.view import collect_view_data
         from rollbench.reports.view import viewer_page_html
 
-        if not any(one.derived_results for one in self.solved):
+        if not any(one.converged for one in self.cases.values() or [self]):
             raise ValueError(f"{self.scene}: no loads to draw ({self.status}, {self.reason})")
-        title = (self.cycle or self.solved[0].scene).title
-        return viewer_page_html(collect_view_data(title, self.solved, self.to_dict(), [*self.cases], stores))
+        return viewer_page_html(self.scene_view(stores))
+
+    def scene_view(self, stores: Sequence[Path] | None = None, given: Reference | None = None) -> SceneView:
+        """Return the data of the 3D view of the scene and its load cases.
+
+        Parameters
+        ----------
+        stores
+            Folders with runs of the 3D reference; None: the runs shipped with rollbench.
+        given
+            User's reference loads, shown instead of the stored runs; None: there are none.
+        """
+        from rollbench.reports.content import SceneView
+
+        each = [one._load_case_view(name, stores, given) for name, one in (self.cases or {"": self}).items()]
+        words = [count_with_noun(len(self.cases), "load case")] if self.cases else []
+        words += [count_with_noun(len(self.sets), "set")] if len(self.sets) > 1 else []
+        subtitle = ", ".join([self.scene, f"model {self.model}", *words])
+        return SceneView(self.described.title, subtitle, each, self.to_dict())
+
+    def _load_case_view(self, name: str, stores: Sequence[Path] | None, given: Reference | None) -> LoadCaseView:
+        """Return the data of the load case ``name`` for the 3D view; ``stores`` and ``given`` are those of `scene_view`."""
+        from rollbench.compare.reference.estimate import reference_of_scene
+        from rollbench.compare.results.view import view_of_ball_row
+        from rollbench.reports.content import LoadCaseView, NutOrBearingView
+
+        scene, sets = self.described, list[NutOrBearingView]()
+        if isinstance(scene, Scene) and self.only is not None:
+            known, error = given or reference_of_scene(scene, stores), None
+            if self.expected_error is not None and self.expected_error.loads is not None and self.loads is not None:
+                error = 0.01 * self.expected_error.loads * mean_load(self.loads, self.only.nominal_contacts)
+            return LoadCaseView(name, [view_of_ball_row(self.only, known, error)])
+        for s in self.sets.values():
+            if s.ball_sets:
+                sets.append(view_of_ball_row(s))
+            elif s.on_shaft is not None:
+                sets.append(NutOrBearingView(s.name, s.kind, s.parts, s.position, s.on_shaft.of.thrust))
+        return LoadCaseView(name, sets, scene if isinstance(scene, Assembly) else None)
 
     def table(self) -> Sequence[Row]:
         """Return the rows of the table that ``rollbench solve`` prints.
@@ -467,19 +598,41 @@ class Result(Record, Balls):
         Sequence[Row]
             A row for each quantity, such as the largest load; with load cases, the quantities of all cases together.
         """
-        return duty_cycle_rows(self.together) if self.together is not None else solution_rows(self.solved[0])
+        return self.rows()
+
+    def rows(self, *, details: bool = False) -> list[Row]:
+        """Return the rows of the table of results; empty if there is no equilibrium.
+
+        For several nuts or bearings on a shaft, the rows of the whole shaft come first, then the rows of the nut or bearing
+        with the worst contact.
+
+        Parameters
+        ----------
+        details
+            Whether to include quantities that a designer seldom needs.
+        """
+        if not self.converged:
+            return []
+        supports, errors, whole = [*support_load_rows(self.load_path)], self.expected_error, nested_records(self)
+        if self.only is not None:
+            both = nested_records(self.only) | whole
+            return [*record_rows(both, errors, (self, self.only), details=details), *supports]
+        head = [*record_rows(whole, errors, (self,), details=details), *supports]
+        if (worst := self.worst_set) is None:
+            return head
+        rows = record_rows(nested_records(worst, *OF_A_SET), errors, (worst,), details=details)
+        return [*head, Row("nut or bearing, worst contact", worst.name), *rows]
 
     def _repr_html_(self) -> str:
         """Return the table as HTML for a notebook, and a second table of nuts and bearings if there are several."""
-        shafts = [one for one in self.solved if isinstance(one, ShaftSolution) and not self.cases]
-        rows = [row for one in shafts for row in bearing_and_nut_rows(one)]
+        rows = [] if self.only or self.cases or not self.converged else bearing_and_nut_rows(self.sets)
         return super()._repr_html_() + (format_table_as_html([[*row.values()] for row in rows], [*rows[0]]) if rows else "")
 
     @property
     def _notes(self) -> tuple[str, ...]:
         """Lines below the table: scene, model and status, then the sentence on the expected error, then warnings."""
         status = f"{self.status}: {self.reason}" if self.reason else self.status
-        worth = () if self.cases or not self.converged else (expected_error_sentence(self.solved[0].expected_errors),)
+        worth = () if self.cases or not self.converged else (expected_error_sentence(self.expected_error),)
         return (f"{self.scene}, {model_title(self.model)}: {status}", *worth, *self.warnings)
 
     def __repr__(self) -> str:
@@ -498,244 +651,287 @@ class Result(Record, Balls):
         return "\n".join([self._notes[0], *told])
 
 
-def result_from_solutions(
-    solved: Sequence[SceneSolution | ShaftSolution],
-    tangents: Sequence[TangentStiffness | None],
-    at_nut: Sequence[TangentStiffness | None],
-    cycle: DutyCycle | None = None,
-    cycle_results: DutyCycleResults | None = None,
+@result_record(eq=False, repr=False, kw_only=True)
+class CycleResult(Result):
+    """Results of a scene with load cases: those of each case in `cases`, extremes and lives over all of them."""
+
+    cycle: DutyCycle
+    """The load cases."""
+    together: DutyCycleResults
+    """Extremes and lives over all load cases."""
+
+    @property
+    def scene(self) -> str:
+        """Name of the scene."""
+        return self.cycle.name
+
+    @property
+    def status(self) -> Status:
+        """Outcome of the first case that did not converge."""
+        return next((one.status for one in self.cases.values() if not one.converged), Status.CONVERGED)
+
+    @property
+    def reason(self) -> str:
+        """Why there is no equilibrium in some cases; empty if there is one in all."""
+        return "; ".join(f"case {name}: {status}" for name, status in self.together.unsolved.items())
+
+    def _of_all_cases(self, name: str) -> tuple[Any, ...]:
+        """Return the texts of the property ``name`` of all cases, each once."""
+        return tuple(dict.fromkeys(words for one in self.cases.values() for words in getattr(one, name)))
+
+    @property
+    def warnings(self) -> tuple[ResultWarning, ...]:
+        """Warnings about results outside the model's range of validity."""
+        return self._of_all_cases("warnings")
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """Assumptions made by the scene and by the model."""
+        return self._of_all_cases("assumed")
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Effects that the model neglects in this scene."""
+        return self._of_all_cases("left_out")
+
+    @property
+    def stiffness(self) -> None:
+        """None: see each of `cases`."""
+
+    @property
+    def worst(self) -> WorstContact | None:
+        """Contact with the highest pressure of all cases; None if no contact is loaded."""
+        worst = [one.worst for one in self.cases.values() if one.worst is not None]
+        return max(worst, key=lambda w: w.pressure, default=None)
+
+    @property
+    def life(self) -> Life | None:
+        """Life L10 under all cases, of several nuts and bearings the shortest."""
+        return self.together.shortest_lives.life
+
+    @property
+    def life_words(self) -> str:
+        """Why there is no life L10; else empty."""
+        return self.together.shortest_lives.life_words
+
+    @property
+    def modified_life(self) -> ModifiedLife | None:
+        """Life under all cases modified for reliability, lubricant and contamination [10^6 revolutions]."""
+        return self.together.shortest_lives.modified
+
+    @property
+    def reference_life(self) -> ReferenceLife | None:
+        """Life of a bearing under all cases by ISO/TS 16281 [10^6 revolutions]; None for screws."""
+        return self.together.shortest_lives.reference
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the result as JSON: the results of each load case, and the extremes and lives over all cases."""
+        each = zip(self.cycle.cases, self.cases.values(), strict=True)
+        return {
+            "scene": self.scene,
+            "model": self.model,
+            "status": self.reason or "converged",
+            "summary": self.summary(),
+            "cases": [
+                {**load_case_head_json(self.cycle, case), **one.to_json(), "scene": self.scene} for case, one in each
+            ],
+        }
+
+    def summary(self) -> dict[str, Any]:
+        """Return the extremes over all load cases, and the lives over the duty cycle, as JSON.
+
+        With several nuts or bearings, ``sets`` has the lives of each.
+        """
+        lives = self.together.lives
+        if len(lives) == 1:
+            return record_as_json(self.together, "life_set", "axis_life") | record_as_json(lives[0])
+        sets = [{"name": x.set} | record_as_json(x) for x in lives]
+        return record_as_json(self.together) | record_as_json(self.together.shortest_lives) | {"sets": sets}
+
+    def columns(self) -> dict[str, Array | list[str]]:
+        """Return the columns of `to_dataframe` without pandas: those of each load case, and the name of the case."""
+        return _stack_columns("case", {name: one.columns() for name, one in self.cases.items()})
+
+    def _contact_loads_by_panel(self, case: str) -> Sequence[tuple[str, Array]]:
+        """Return title and contact loads (n, 4) [N] of each panel of the figure that `plot` draws."""
+        return [panel for name, one in self.cases.items() for panel in one._contact_loads_by_panel(f"{case}, case {name}")]
+
+    def table(self) -> Sequence[Row]:
+        """Return the rows of the table with the quantities of all load cases together."""
+        return duty_cycle_rows(self.together)
+
+
+def load_case_head_json(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
+    """Return the first keys and values in the JSON of a load case: name of the scene, then name and data of the case."""
+    return {"scene": cycle.name, **record_as_json(case)}
+
+
+def solve_with_results(
+    scene: Scene | Assembly,
+    model: str,
+    options: ModelOptions,
+    stiffness_at: float | None = None,
+    *,
+    stiffness: bool = False,
 ) -> Result:
-    """Convert the solver's records of a scene, or of the load cases of a duty cycle, to a `Result`.
+    """Solve a scene with one load case by a model, and compute all results: pressure, life, rigidity, preload, friction.
 
     Parameters
     ----------
-    solved
-        Records of the solver, one for each load case.
-    tangents
-        For each load case, the stiffness at the axial position that the user asked for; None if there is no such position.
-    at_nut
-        For each load case, the stiffness at the nut's centre; None if it was not computed.
-    cycle
-        Duty cycle to which the load cases belong; None for a scene without load cases.
-    cycle_results
-        Results over all load cases together, such as extremes and the life; None for a scene without load cases.
+    scene
+        Scene with one nut or bearing row, or with several on one shaft.
+    model
+        Name of the model.
+    options
+        Options of the model.
+    stiffness_at
+        Axial position on the shaft [m] at which the stiffness is computed; None: as ``stiffness`` says.
+    stiffness
+        Whether the 6 x 6 stiffness at the nut's centre of a single nut or bearing row is computed.
 
     Returns
     -------
     Result
-        The result, with the result of each load case in ``cases``.
+        The results.
+
+    Raises
+    ------
+    InputError
+        If the model does not cover the scene.
     """
-    each = [_result_of_load_case(*one) for one in zip(solved, tangents, at_nut, strict=True)]
-    if cycle is None or cycle_results is None:
-        return each[0]
-    lost = next((one for one in each if not one.converged), each[0])
-    unsolved = "; ".join(f"case {name}: {status}" for name, status in cycle_results.unsolved.items())
-    worst = [one.worst for one in each if one.worst is not None]
-    lives = cycle_results.shortest_lives
+    if isinstance(scene, Assembly):
+        moved = scene if stiffness_at is None else replace(scene, stiffness_at=stiffness_at)
+        return _with_drive_and_life(solve_shaft(moved, model, options.member))
+    found = _solve_single(scene, model, options)
+    if not found.converged or (stiffness_at is None and not stiffness):
+        return found
+    if stiffness_at is not None:
+        return replace(found, tangent=answers.tangent_stiffness_at(scene, stiffness_at, model, options))
+    return replace(found, tangent=answers.tangent_stiffness_at_nut(scene, model, options)[0])
+
+
+def _solve_single(scene: Scene, model: str, options: ModelOptions) -> Result:
+    """Solve a scene with one nut or bearing row, and compute all results; InputError if the model does not cover it."""
+    result = run_model(scene, model, options)
+    if not result.converged:
+        return Result(described=scene, solution=result, sets={"": SetResult(parts=scene, balls=result)})
+    bare = loading.solve_with_scaled_loads(scene, 0.0, model, options)
+    stiffness = stiffness_of_scene(scene, result, bare, model, options)
+    at = place_of_displacement(scene)
+    moved = motion_at(result, at) - answers.motion_of_unloaded_screw(bare, at)
+    one = answers.results_of_single(scene, result, bare, stiffness.nut, model, options)
+    path = loading.load_path_of_scene(scene, result, bare)
+    warned = [*answers.validity_warnings(one, loading.absolute_axial_preload(one.preload))]
+    if scene.friction is not None:
+        warned += warn_of_overall_friction_coefficient(scene.track, scene.friction)
+    warned += [*loading.load_path_warnings(path), *answers.axial_play_warnings(scene)]
+    warned += [] if one.shaft is None else one.shaft.warnings
     return Result(
-        scene=cycle.name,
-        model=each[0].model,
-        member=each[0].member,
-        status=lost.status,
-        reason=unsolved,
-        warnings=tuple(dict.fromkeys(words for one in each for words in one.warnings)),
-        assumed=tuple(dict.fromkeys(words for one in each for words in one.assumed)),
-        left_out=tuple(dict.fromkeys(words for one in each for words in one.left_out)),
-        worst=max(worst, key=lambda w: w.pressure, default=None),
-        life=_life_record(lives.life, cycle_results.speed),
-        life_words=lives.life_words,
-        modified_life=lives.modified,
-        reference_life=lives.reference,
-        axis_life=cycle_results.axis_life,
-        cases={case.name: one for case, one in zip(cycle.cases, each, strict=True)},
-        solved=tuple(solved),
-        tangents=tuple(tangents),
-        cycle=cycle,
-        together=cycle_results,
+        described=scene,
+        solution=replace(result, warnings=(*result.warnings, *warned)),
+        sets={"": one},
+        axial=AxialResults(axial_force(result), answers.load_step_stiffness(scene, model, options)),
+        load_point=stiffness.load_point,
+        tangent_words=stiffness.words,
+        displacement=None if np.isnan(moved).all() else moved,
+        load_path=path,
+        expected_error=estimate_model_error(scene, result),
     )
 
 
-def _result_of_load_case(
-    solved: SceneSolution | ShaftSolution, tangent: TangentStiffness | None, at_nut: TangentStiffness | None
-) -> Result:
-    """Convert the solver's record of one load case to a `Result`.
+def solve_shaft(assembly: Assembly, model: str, member: int = 0) -> Result:
+    """Solve a shaft with several nuts or bearing rows, and compute all results but friction of nuts, drive and axis life.
 
-    ``tangent``: stiffness at the axial position that the user asked for. ``at_nut``: stiffness at the nut's centre. Both
-    are None if they were not computed.
-    """
-    found = solved.result
-    head = Result(
-        scene=solved.scene.name,
-        model=found.model,
-        member=found.member,
-        status=Status(found.status.kind),
-        reason=found.status.reason,
-        warnings=tuple(map(str, found.warnings)),
-        assumed=found.assumed,
-        left_out=found.left_out,
-        solved=(solved,),
-        tangents=(tangent,),
-    )
-    if isinstance(solved, SceneSolution):
-        return _add_nut_or_bearing_results(head, solved, tangent, at_nut)
-    return _add_shaft_results(head, solved)
-
-
-def _add_nut_or_bearing_results(
-    head: Result, solved: SceneSolution, tangent: TangentStiffness | None, at_nut: TangentStiffness | None
-) -> Result:
-    """Return the result of a scene with a single nut or bearing: ``head`` with all quantities filled in.
-
-    ``head``: result with scene, model, status and warnings only. ``solved``: record of the solver. ``tangent``: stiffness
-    at the axial position that the user asked for. ``at_nut``: stiffness at the nut's centre. Both are None if they were not
-    computed. Without equilibrium only the positions of the balls are filled in.
-    """
-    answers = solved.derived_results
-    if answers is None:
-        return replace(head, azimuth=solved.result.azimuth, z=solved.result.z)
-    speed = None if solved.scene.motion is None else solved.scene.motion.speed
-    K = tangent if tangent is not None and tangent.status == "converged" else at_nut
-    return replace(
-        head,
-        **_ball_fields(solved.scene, solved.result),
-        force=answers.axial_force,
-        nut=answers.stiffness.nut,
-        load_point=answers.stiffness.load_point,
-        displacement=None if np.isnan(answers.displacement).all() else answers.displacement,
-        stiffness=None if K is None else K.matrix,
-        worst=_worst_contact("", answers.load_results),
-        life=_life_record(answers.load_results.life, speed),
-        life_words=answers.load_results.words or answers.load_results.life_words,
-        modified_life=answers.load_results.modified,
-        reference_life=answers.load_results.reference,
-        shaft=answers.shaft_limits,
-        preload=_preload_record(answers.preload),
-        bearing_torque=answers.bearing_torque,
-        expected_error=expected_error_record(solved.expected_errors),
-    )
-
-
-def _add_shaft_results(head: Result, solved: ShaftSolution) -> Result:
-    """Return the result of a shaft with several nuts or bearings: ``head`` with all quantities filled in.
-
-    ``head``: result with scene, model, status and warnings only. ``solved``: record of the solver. Without equilibrium only
-    the names and positions of the nuts and bearings are filled in.
-    """
-    found, answers = solved.result, solved.derived_results
-    speed = None if solved.scene.motion is None else solved.scene.motion.speed
-    each = [None] * len(found.sets) if answers is None else [*answers.set_results]
-    sets = {s.of.name: _result_of_nut_or_bearing(s, x, speed) for s, x in zip(found.sets, each, strict=True)}
-    if answers is None:
-        return replace(head, sets=sets)
-    balls = [s for s in sets.values() if s.loads is not None]
-    joined: dict[str, Any] = {
-        name: np.concatenate([getattr(s, name) for s in balls]) if balls else None for name in vars(Balls())
-    }
-    worst = next((sets[found.sets[i].of.name].worst for i in answers.set_indices_by_pressure), None)
-    turning = [s for s in sets.values() if s.life is not None or s.reference_life is not None]
-    lives = [s.life for s in turning if s.life is not None]
-    return replace(
-        head,
-        **joined,
-        sets=sets,
-        force=answers.axial_load,
-        nut=answers.stiffness.nut,
-        load_point=answers.stiffness.load_point,
-        displacement=answers.displacement,
-        stiffness=found.stiffness,
-        worst=worst,
-        life=min(lives, key=lambda life: life.L10, default=None) if len(lives) == len(turning) else None,
-        drive=solved.motor_torques,
-        axis_life=solved.combined_life,
-        expected_error=expected_error_record(solved.expected_errors),
-    )
-
-
-def _result_of_nut_or_bearing(solved_set: SolvedSet, answers: NutOrBearingResults | None, speed: float | None) -> SetResult:
-    """Convert the solver's record of one nut or bearing on a shaft to a `SetResult`.
-
-    ``answers``: pressure, life and other results from the contact loads of the nut or bearing; None without equilibrium.
-    ``speed``: speed of rotation [rad/s], for the running time of the life; None if it is not known.
-    """
-    bare = SetResult(name=solved_set.of.name, kind=solved_set.of.kind, position=solved_set.of.position)
-    if answers is None:
-        return bare
-    balls, loads = solved_set.balls, answers.load_results
-    return replace(
-        bare,
-        **(_ball_fields(answers.parts, balls) if balls and isinstance(answers.parts, Scene) else {}),
-        force=solved_set.force,
-        moment=solved_set.moment,
-        stiffness=solved_set.stiffness,
-        nut=answers.stiffness,
-        roller_loads=solved_set.roller_load,
-        worst=_worst_contact(bare.name, loads),
-        life=_life_record(loads.life, speed),
-        life_words=loads.life_words or ("" if isinstance(loads, RollerLoadResults) else loads.words),
-        rib=loads.rib_contact if isinstance(loads, RollerLoadResults) else None,
-        torque=loads.torque if isinstance(loads, RollerLoadResults) else None,
-        preload=_preload_record(answers.preload),
-        bearing_torque=answers.friction_torque,
-        reference_life=loads.reference,
-    )
-
-
-def _ball_fields(scene: Scene, result: StaticResult) -> dict[str, Any]:
-    """Return positions, loads, angles and pressures of the balls of a nut or bearing: the fields of `Balls`, by name.
-
-    ``result``: solution of the nut or bearing.
-    """
-    angles, pressure = np.where(result.load > 0.0, result.contact_angle, np.nan), contact_pressures(scene, result)
-    return {"azimuth": result.azimuth, "z": result.z, "loads": result.load, "angles": angles, "pressure": pressure}
-
-
-def _worst_contact(name: str, answers: LoadResults) -> WorstContact | None:
-    """Return the contact with the highest pressure in one nut or bearing; None if no contact is loaded.
-
-    ``name``: name of the nut or bearing. ``answers``: results from its contact loads.
-    """
-    w, safety = answers.worst_contact, answers.safety
-    if w is None or safety is None:
-        return None
-    if isinstance(w, BallContact):
-        return WorstContact(name, w.ball, w.side, w.force, w.pressure, safety.factor, w.angle, w.approach, (w.a, w.b))
-    return WorstContact(name, w.roller, w.race, w.force, w.pressure, safety.factor, None, None, None)
-
-
-def _life_record(known: rating.BasicRatingLife | None, speed: float | None) -> Life | None:
-    """Convert a computed basic rating life to the record `Life` of a result; None if ``known`` is None.
-
-    ``speed``: speed of rotation [rad/s], for the running time until the end of the life; None if it is not known.
-    """
-    if known is None:
-        return None
-    seconds = 3600.0 * known.hours(speed) if speed else None
-    maker = None if known.by_maker is None else 1e6 * known.by_maker
-    return Life(1e6 * known.revolutions, known.distance, seconds, known.rating, known.equivalent, known.standard, maker)
-
-
-def _preload_record(known: loading.Preload | None) -> Preload | None:
-    """Convert a computed preload to the record `Preload` of a result; None if ``known`` is None."""
-    return None if known is None else Preload(known.mean, known.largest, known.axial, known.loaded)
-
-
-def expected_error_record(model_form: ExpectedModelErrors | None) -> ExpectedError | None:
-    """Convert the estimated error of a model to the record `ExpectedError` of a result.
+    The shaft is solved once more without loads, and, if several bodies are loaded, once for each of them without the loads
+    on this body.
 
     Parameters
     ----------
-    model_form
-        Estimate that `rollbench.compare.models.model_form` computed; None if no estimate was possible.
+    assembly
+        Shaft with several nuts or bearing rows.
+    model
+        Name of the model.
+    member
+        Number of the random draw of the geometric errors, from 0; 0 without random errors.
 
     Returns
     -------
-    ExpectedError | None
-        The record; None without an estimate.
+    Result
+        The results.
+
+    Raises
+    ------
+    InputError
+        If the model does not cover the assembly.
     """
-    if model_form is None:
-        return None
-    others = model_form.displacement_percent, model_form.rigidity_percent, model_form.pressure_percent
-    return ExpectedError(model_form.percent, model_form.rms_percent, *others, model_form.nearest, model_form.words)
+    options = ModelOptions(member=member)
+    result = run_model(assembly, model, options)
+    if not result.converged:
+        bare_sets = {s.of.name: SetResult(name=s.of.name, parts=s.of.parts, balls=s.balls, on_shaft=s) for s in result.sets}
+        return Result(described=assembly, solution=result, sets=bare_sets)
+    bare = run_model(loading.with_scaled_loads(assembly, 0.0), result.model, options)
+    moved = None
+    if bare.converged:
+        at = place_of_displacement(assembly)
+        moved = motion_at(result, at) - motion_at(bare, at)
+    stiffness = stiffness_of_scene(assembly, result, bare, result.model, options)
+    each = zip(result.sets, bare.sets if bare.converged else [None] * len(result.sets), stiffness.sets, strict=True)
+    sets = {one[0].of.name: answers.results_of_set(assembly, *one, result.member) for one in each}
+    path = loading.load_path_of_assembly(assembly, result, bare)
+    warned = [
+        w.with_part_name(s.name)
+        for s in sets.values()
+        for w in answers.validity_warnings(s, loading.absolute_axial_preload(s.preload))
+    ]
+    warned += [w for x in answers.load_paths_by_body(assembly, result, path) for w in loading.load_path_warnings(x)]
+    warned += loading.lost_preload_warnings(assembly, result, [s.preload for s in sets.values()])
+    warned += answers.axial_play_warnings(assembly)
+    return Result(
+        described=assembly,
+        solution=replace(result, warnings=(*result.warnings, *warned)),
+        sets=sets,
+        axial=AxialResults(loading.sum_of_axial_loads(assembly)),
+        load_point=stiffness.load_point,
+        tangent_words=stiffness.words,
+        displacement=moved,
+        load_path=path,
+        expected_error=estimate_double_nut_error(assembly, result),
+    )
+
+
+def _with_drive_and_life(found: Result) -> Result:
+    """Return the results of a shaft with the friction of its nuts, the torques at its motor and the life of the axis."""
+    assembly = found.described
+    if not found.converged or not isinstance(assembly, Assembly):
+        return found
+    sets = with_friction_of_nuts(assembly, found.sets, found.member)
+    speed = None if assembly.motion is None else assembly.motion.speed
+    life = life_of_turning_sets(assembly, sets.items(), speed)
+    return replace(found, sets=sets, drive=motor_torques_and_inertias(assembly, sets), axis_life=life)
+
+
+def combine_load_cases(cycle: DutyCycle, results: Sequence[Result]) -> CycleResult:
+    """Combine the results of the load cases of a duty cycle, and compute extremes and lives over all of them.
+
+    Parameters
+    ----------
+    cycle
+        The duty cycle.
+    results
+        Results of its load cases, in order.
+    """
+    statuses = ["" if one.converged else str(one.solution.status) for one in results]
+    together = compute_duty_cycle_results(
+        cycle, [one.sets for one in results], statuses, [one.expected_error for one in results]
+    )
+    return CycleResult(
+        described=replace(results[0].described, title=cycle.title),
+        solution=results[0].solution,
+        axis_life=together.axis_life,
+        cases={case.name: one for case, one in zip(cycle.cases, results, strict=True)},
+        cycle=cycle,
+        together=together,
+    )
 
 
 def _ball_contact_columns(one: Balls) -> dict[str, Array | list[str]]:

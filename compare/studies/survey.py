@@ -655,7 +655,7 @@ def errors_on_shipped_double_nut() -> list[Record]:
 def _record_of_double_nut_errors(
     result: AxisResult,
     found: Sequence[model_form.MeasuredModelErrors],
-    expected: model_form.ExpectedModelErrors | None,
+    expected: model_form.ExpectedError | None,
     references: Sequence[SceneWithReference],
 ) -> Record:
     """Return a model's errors on a drawn double nut [%], and the errors expected from other scenes.
@@ -671,16 +671,22 @@ def _record_of_double_nut_errors(
     largest = {
         name: max(abs(getattr(p, name) or 0.0) for p in found) for name in ("gate_percent", *model_form.QUANTITIES[1:])
     }
-    wanted = {} if expected is None else {n: _round_or_none(getattr(expected, n)) for n in model_form.QUANTITIES}
+    wanted = {} if expected is None else _expected_percents(expected)
     return {
         "status": result.status,
         "largest_percent": found[worst].percent,
         "at": places[worst],
         "percent_of_nuts": [p.percent for p in found],
         **largest,
-        **{name.replace("percent", "expected_percent"): value for name, value in wanted.items()},
-        "not_covered": "" if expected is None or expected.percent is not None else one_line(expected.words[-1], 200),
+        **wanted,
+        "not_covered": "" if expected is None or expected.loads is not None else one_line(expected.words[-1], 200),
     }
+
+
+def _expected_percents(expected: model_form.ExpectedError) -> dict[str, float | None]:
+    """Return the errors expected from other scenes [%], rounded, by the keys of the record."""
+    names = (name.replace("percent", "expected_percent") for name in model_form.QUANTITIES)
+    return {n: _round_or_none(getattr(expected, field)) for n, field in zip(names, model_form.EXPECTED, strict=True)}
 
 
 def _round_or_none(value: float | None, factor: float = 1.0) -> float | None:
@@ -704,8 +710,8 @@ def _record_of_model_errors(
         "largest_percent": measured_errors.percent,
         "at": f"{error.ball} {error.side}",
         **{name: getattr(measured_errors, name) for name in ("gate_percent", *names[1:])},
-        **{name.replace("percent", "expected_percent"): _round_or_none(getattr(expected, name)) for name in names},
-        "not_covered": "" if expected.percent is not None else one_line(expected.words[-1], 200),
+        **_expected_percents(expected),
+        "not_covered": "" if expected.loads is not None else one_line(expected.words[-1], 200),
     }
 
 

@@ -241,7 +241,7 @@ def _largest_pressure_of_each_bearing(scene: Scene | Assembly, result: StaticRes
     for parts, balls, lines in sets:
         if balls is not None:
             of_balls = results_of_contact_loads(parts, balls.load, balls.contact_angle, balls.member, balls.pressure)
-            worst: Any = of_balls.worst_contact
+            worst: Any = of_balls.worst
         else:
             worst = roller_contact_of_highest_pressure(parts, lines)
         if worst is not None:
@@ -254,9 +254,9 @@ def _expected_errors_for_row(scene: Scene, result: StaticResult) -> dict[str, An
     The errors are estimated from the model's errors on scenes that were compared with the 3D reference.
     """
     form = estimate_model_error(scene, result)
-    errors = {f"{of}_error": getattr(form, f"{of}_percent") for of in ("rms", "displacement", "rigidity", "pressure")}
-    words = "" if form.percent is not None else form.words[-1]
-    return {"load_error": form.percent, **errors, "error_words": words}
+    errors = {f"{of}_error": getattr(form, of) for of in ("displacement", "rigidity", "pressure")}
+    words = "" if form.loads is not None else form.words[-1]
+    return {"load_error": form.loads, "rms_error": form.loads_rms, **errors, "error_words": words}
 
 
 def solve_table(request: SceneTableRequest, engine: ComputingSettings, show_progress: Callable[[str], None]) -> Table:

@@ -3,29 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rollbench.compare.measure import mean_load
-from rollbench.compare.models.load_cases import DutyCycleResults, SceneSolution, ShaftSolution
 from rollbench.compare.models.programs import model_title
 from rollbench.compare.models.registry import has_random_errors
+from rollbench.compare.models.set_results import SetResult
 from rollbench.compare.quantities import count_with_noun, format_by_error, quantities_of_record, record_as_json
-from rollbench.compare.results import scene_json
 from rollbench.compare.results.base import format_table_as_text
 from rollbench.compare.results.load_curve import LoadCurve
-from rollbench.compare.results.rows import bearing_and_nut_rows, duty_cycle_rows, expected_error_sentence, solution_rows
+from rollbench.compare.results.rows import (
+    bearing_and_nut_rows,
+    duty_cycle_rows,
+    expected_error_sentence,
+    nested_records,
+    quantity_value,
+)
 from rollbench.compare.results.side_by_side import NUMBERS, Alternative, SideBySide
+from rollbench.compare.results.solved import CycleResult, Result
 from rollbench.compare.results.table import ERROR_OF, Table, TableRow
-from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.text import printing
 from rollbench.lowfi.rating.contacts import RACES
-from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import HEAT, AxisResult, Equilibrium, SolverReport, motion_in_um_and_mrad
 from rollbench.lowfi.statics.tangent import TangentStiffness
 from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import FREEDOMS, SIDES
 
 if TYPE_CHECKING:
@@ -50,45 +55,43 @@ CURVE_COLUMNS: tuple[printing.Column, ...] = (
 ROUND_OFF = 1e-9
 
 
-def solved_case_parts(
-    solved: SceneSolution | ShaftSolution, *, balls: bool = False, details: bool = False, stiffness: bool = False
-) -> list[Any]:
+def solved_case_parts(found: Result, *, balls: bool = False, details: bool = False, stiffness: bool = False) -> list[Any]:
     """Return the texts and tables that the terminal shows for a solved scene.
 
     These are the status, warnings, results, and the error to expect. ``balls``: also a table of all balls. ``details``:
     also further quantities, force balance, solver, assumptions and neglected effects; they are always shown if the scene
     has no equilibrium. ``stiffness``: also the stiffness of a shaft with several nuts or bearings.
     """
-    result, title, several = solved.result, [], isinstance(solved, ShaftSolution)
+    result, title, scene = found.solution, [], found.described
     above_all, measured = join_brief_warnings(result.warnings), ""
     heat: list[str] = []
-    behind = [] if result.equilibrium is None else _force_balance_lines(result.equilibrium, several=several)
-    details = details or solved.derived_results is None
-    if isinstance(solved, ShaftSolution):
-        drawn, title = f", {count_with_noun(len(solved.scene.sets), 'set')}", [solved.scene.title]
-        tables = _nut_bearing_and_housing_tables(solved, balls=balls, stiffness=details or stiffness)
-        heat = [f"note: left out is the {HEAT}"] if solved.scene.thermal_strain and not details else []
+    behind = [] if result.equilibrium is None else _force_balance_lines(result.equilibrium, several=not found.only)
+    details = details or not found.converged
+    if isinstance(scene, Assembly):
+        drawn, title = f", {count_with_noun(len(scene.sets), 'set')}", [scene.title]
+        tables = _nut_bearing_and_housing_tables(found, balls=balls, stiffness=details or stiffness)
+        heat = [f"note: left out is the {HEAT}"] if scene.thermal_strain and not details else []
     else:
-        drawn = f", specimen {result.member} of its random errors" if has_random_errors(solved.scene) else ""
-        tables = _ball_and_flank_tables(solved) if balls and (solved.result.load > 0.0).any() else []
-        grid = scene_json.beam_discretisation_percent(solved.scene, solved.result)
+        drawn = f", specimen {found.member} of its random errors" if has_random_errors(scene) else ""
+        tables = _ball_and_flank_tables(found) if balls else []
+        grid = found.discretisation_percent
         measured = "" if grid is None else f" (discretisation error {grid:.1e} % of the mean load)"
-    answers = solution_rows(solved, details=details)
+    answers = found.rows(details=details)
     if answers:
         table, expected = (
             format_table_as_text(answers, printing.text_width()),
-            expected_error_sentence(solved.expected_errors),
+            expected_error_sentence(found.expected_error),
         )
         tables = ["", table, "", *tables, expected]
     behind += solver_lines(result.solver, measured)
     notes = [f"note: {line}" for line in result.solver.notes]
     return [
-        f"{solved.scene.name}{drawn}, model {model_title(result.model)}: {result.status}",
+        f"{found.scene}{drawn}, model {model_title(found.model)}: {result.status}",
         *title,
         *([above_all] if above_all else []),
         *tables,
         *heat,
-        *warning_and_note_lines(result.warnings, behind, result.assumed, result.left_out, details=details, notes=notes),
+        *warning_and_note_lines(result.warnings, behind, found.assumed, found.left_out, details=details, notes=notes),
     ]
 
 
@@ -215,26 +218,34 @@ def _force_balance_lines(equilibrium: Equilibrium, *, several: bool) -> list[str
     return lines
 
 
-def _ball_and_flank_tables(solved_scene: SceneSolution) -> list[RenderableType]:
+def _ball_and_flank_tables(found: Result) -> list[RenderableType]:
     """Return a table with loads and angles of every ball, and one with largest and smallest load of each groove flank.
 
-    Loads are rounded to the digits that their expected error justifies.
+    Loads are rounded to the digits that their expected error justifies. The list is empty if no contact is loaded.
     """
-    result, error = solved_scene.result, None
-    if solved_scene.expected_errors is not None and solved_scene.expected_errors.percent is not None:
-        mean = mean_load(result.load, count_nominal_contacts(solved_scene.scene, result))
-        error = mean * solved_scene.expected_errors.percent / 100.0
-    sides = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
+    one, error = found.only, None
+    if one is None or one.loads is None or one.azimuth is None or one.z is None or one.angles is None:
+        return []
+    if found.expected_error is not None and found.expected_error.loads is not None:
+        error = mean_load(one.loads, one.nominal_contacts) * found.expected_error.loads / 100.0
+    sides = [k for k in range(4) if (one.loads[:, k] > 0.0).any()]
+    if not sides:
+        return []
     headings, rows = ["ball", "deg", "z mm", *(x for k in sides for x in (f"{SIDES[k]} N", "angle"))], []
-    for i in range(result.z.size):
-        cells = [str(i + 1), f"{math.degrees(result.azimuth[i]):.1f}", f"{1e3 * result.z[i]:.2f}"]
+    for i, (azimuth, z) in enumerate(zip(one.azimuth, one.z, strict=True)):
+        cells = [str(i + 1), f"{math.degrees(azimuth):.1f}", f"{1e3 * z:.2f}"]
         for k in sides:
-            angle = math.degrees(result.contact_angle[i, k])
-            cells += [format_by_error(result.load[i, k], error), f"{angle:.2f}" if math.isfinite(angle) else "–"]
+            angle = math.degrees(one.angles[i, k])
+            cells += [format_by_error(one.loads[i, k], error), f"{angle:.2f}" if math.isfinite(angle) else "–"]
         rows.append(cells)
     sums = (
-        (side, *(format_by_error(row[k], error) for k in ("max_N", "min_N", "ratio")), str(row["loaded"]), str(row["lost"]))
-        for side, row in scene_json.flank_loads_json(result.load).items()
+        (
+            side,
+            *(format_by_error(x, error) for x in (s.largest, s.smallest, s.ratio)),
+            str(s.loaded_contacts),
+            str(s.unloaded_contacts),
+        )
+        for side, s in (one.load_of_flanks or {}).items()
     )
     summed = printing.plain_table(("flank", "max N", "min N", "max/min", "loaded", "unloaded"), sums)
     return [printing.plain_table(headings, rows), "", summed, ""]
@@ -255,17 +266,17 @@ def tangent_stiffness_parts(tangent: TangentStiffness) -> list[RenderableType]:
     return ["", head, printing.plain_table(("", *FREEDOMS), rows)]
 
 
-def _nut_bearing_and_housing_tables(solved_scene: ShaftSolution, *, balls: bool, stiffness: bool) -> list[Any]:
+def _nut_bearing_and_housing_tables(found: Result, *, balls: bool, stiffness: bool) -> list[Any]:
     """Return the tables and lines in which the terminal shows the nuts, bearings and housings of a shaft.
 
     ``balls``: also the tables of balls and rollers. ``stiffness``: also the stiffness of the shaft.
     """
-    result, rows = solved_scene.result, bearing_and_nut_rows(solved_scene)
-    if not rows:
+    if not found.converged or not isinstance(found.solution, AxisResult):
         return []
+    result, rows = found.solution, bearing_and_nut_rows(found.sets)
     cells = [[*row.values()] for row in rows]
     out: list[Any] = [printing.plain_table([*rows[0]], cells, ["set"], blanks=2), ""]
-    out += _ball_and_roller_tables(result) if balls else []
+    out += _ball_and_roller_tables(found.sets) if balls else []
     for h in result.housings:
         motion = {n.partition("_"): x for n, x in motion_in_um_and_mrad(h.motion).items() if x}
         moved = ", ".join(f"{freedom} {x:.4g} {unit}" for (freedom, _, unit), x in motion.items())
@@ -276,10 +287,11 @@ def _nut_bearing_and_housing_tables(solved_scene: ShaftSolution, *, balls: bool,
     return [*out, *(_axis_stiffness_lines(result) if stiffness else [])]
 
 
-def _ball_and_roller_tables(result: AxisResult) -> list[RenderableType]:
+def _ball_and_roller_tables(sets: Mapping[str, SetResult]) -> list[RenderableType]:
     """Return the table of all balls, with loads and angles on the loaded groove flanks, and the table of all rollers."""
     out: list[RenderableType] = []
-    rows = scene_json.ball_rows_of_shaft_json(result)
+    numbered = [*enumerate(sets.values(), 1)]
+    rows = [{"set": k} | record_as_json(row) for k, s in numbered for row in s.ball_rows()]
     loaded = [s for s in SIDES if any((r["load_N"][s] or 0.0) > 0.0 for r in rows)]
     place = [("set", "set", "s"), ("azimuth_deg", "azimuth deg", ".2f")]
     if loaded:
@@ -291,7 +303,7 @@ def _ball_and_roller_tables(result: AxisResult) -> list[RenderableType]:
             for r in rows
         ]
         out.append(printing.selected_columns_table("balls", columns, flat))
-    found = scene_json.roller_rows_json(result)
+    found = [{"set": k} | record_as_json(row) for k, s in numbered for row in s.roller_rows()]
     if found:
         names = (place[0], ("index", "roller", "s"), place[1])
         loads = (("load_N", "load N", ".3f"), ("largest_line_load_N_mm", "largest N/mm", ".3f"))
@@ -319,7 +331,7 @@ def _axis_stiffness_lines(result: AxisResult) -> list[str]:
     ]
 
 
-#: Columns of the table of load cases: heading, group of values in the JSON summary of a case, key in this group.
+#: Columns of the table of load cases: heading, record in the results of a case, key of its quantity.
 COLUMNS = (
     ("largest contact load N", "loads", "max_N"),
     ("axial force N", "axial", "force_N"),
@@ -331,49 +343,41 @@ COLUMNS = (
 
 
 def duty_cycle_parts(
-    cycle: DutyCycle,
-    solved: Sequence[SceneSolution | ShaftSolution],
-    cycle_results: DutyCycleResults,
-    tangents: Sequence[TangentStiffness | None] = (),
-    *,
-    balls: bool = False,
-    details: bool = False,
-    stiffness: bool = False,
+    found: CycleResult, *, balls: bool = False, details: bool = False, stiffness: bool = False
 ) -> list[Any]:
     """Return the texts and tables for a duty cycle: results over all load cases, a table of load cases, then each case.
 
-    ``solved``: solution of each case. ``cycle_results``: extremes and lives over all cases. ``tangents``: for each case,
-    the stiffness at the axial position that the user asked for; empty if none. ``balls``, ``details``, ``stiffness``: see
+    ``found``: results of the load cases, and extremes and lives over all cases. ``balls``, ``details``, ``stiffness``: see
     `solved_case_parts`.
     """
-    data = scene_json.duty_cycle_json(cycle, solved, cycle_results)
+    cases = found.cycle.cases
     parts: list[Any] = [
-        f"{cycle.name}, model {data['model']}: {count_with_noun(len(solved), 'load case')}, {data['status']}",
+        f"{found.scene}, model {found.model}: {count_with_noun(len(cases), 'load case')}, {found.reason or 'converged'}",
         "",
     ]
-    parts += [format_table_as_text(duty_cycle_rows(cycle_results), printing.text_width()), ""]
-    parts += [printing.table_of_records([*load_case_rows(data["cases"])], ".4g"), ""]
+    parts += [format_table_as_text(duty_cycle_rows(found.together), printing.text_width()), ""]
+    parts += [printing.table_of_records([*load_case_rows(found)], ".4g"), ""]
     shown: set[str] = set()
-    for case, one, tangent in zip(cycle.cases, solved, tangents or [None] * len(solved), strict=True):
+    for case, one in zip(cases, found.cases.values(), strict=True):
         lines = solved_case_parts(one, balls=balls, details=details, stiffness=stiffness)
         lines = [x for x in lines if not (isinstance(x, str) and x in shown)]
         shown |= {x for x in lines if isinstance(x, str) and x.startswith(("assumed: ", "left out: "))}
-        stiff = tangent_stiffness_parts(tangent) if tangent else []
+        stiff = tangent_stiffness_parts(one.tangent) if one.tangent else []
         parts += [f"case {case.name}, share {case.share:.4g}", *lines, *stiff, ""]
     return parts
 
 
-def load_case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+def load_case_rows(found: CycleResult) -> Iterator[dict[str, Any]]:
     """Yield a table row for each load case, by the headings of the table.
 
-    ``cases``: JSON results of each load case.
+    ``found``: results of the load cases.
     """
-    for one in cases:
-        row: dict[str, Any] = {"case": one["case"], "share": one["share"]}
-        groups = ((heading, key, one["summary"].get(group)) for heading, group, key in COLUMNS)
-        row |= {heading: None if group is None else group[key] for heading, key, group in groups}
-        worth = one["model_form"]
-        yield row | {"expected error %": None if worth is None else worth["largest_percent_of_mean"]}
+    for case, one in zip(found.cycle.cases, found.cases.values(), strict=True):
+        records = {} if one.worst_set is None else nested_records(one.worst_set)
+        records |= nested_records(one)
+        row: dict[str, Any] = {"case": case.name, "share": case.share}
+        row |= {heading: quantity_value(records.get(group), key) for heading, group, key in COLUMNS}
+        yield row | {"expected error %": None if one.expected_error is None else one.expected_error.loads}
 
 
 #: Largest number of printed reasons why combinations of parameter values have no results.

@@ -21,6 +21,7 @@ are used.
 from __future__ import annotations
 
 from math import cos
+from typing import ClassVar, TypeAlias
 
 import numpy as np
 
@@ -47,10 +48,10 @@ PALMGREN = 1.3e-19
 
 @result_record
 class BallContact:
-    """Elliptical Hertz contact of a ball with a groove flank; ball and groove have radii with manufacturing errors."""
+    """The contact of a ball with a groove flank that has the highest pressure, with radii with manufacturing errors."""
 
     #: Number of the ball, from 1.
-    ball: int = quantity_field("ball", "number of the ball with the highest pressure")
+    element: int = quantity_field("ball", "number of the ball with the highest pressure")
     #: Name of the groove flank: SL, SR, NL or NR (S: screw or inner ring, N: nut or outer ring; L: left, R: right).
     side: str = quantity_field("side", "groove flank of the contact with the highest pressure")
     #: Contact force F [N].
@@ -62,14 +63,14 @@ class BallContact:
         "approach_um",
         "local Hertz approach of ball and groove, delta = (F/C)^(2/3)",
         error="two thirds of the load's",
-        expected=("pressure_percent", 2.0),
+        expected=("pressure", 2.0),
     )
     #: Larger semi-axis of the contact ellipse [m], across the groove.
     a: float = quantity_field(
         "semi_axis_a_mm",
         "larger semi-axis of the contact ellipse, along the groove's profile",
         error="a third of the load's",
-        expected=("pressure_percent", 1.0),
+        expected=("pressure", 1.0),
     )
     #: Smaller semi-axis of the contact ellipse [m], along the track.
     b: float = quantity_field(
@@ -82,9 +83,23 @@ class BallContact:
         "3 F/(2 pi a b) of a ball, 2 q/(pi b) = sqrt(q E*/(pi R)) of a roller",
         error="of balls a third of the load's, `model_form.pressure_percent`; of rollers half the line load's",
         heading="peak pressure",
-        expected=("pressure_percent", 1.0),
+        expected=("pressure", 1.0),
         note="ball {ball} {side}",
     )
+    #: Static safety of this contact.
+    static_safety: StaticSafety
+    #: Name of the nut or bearing that the contact belongs to; empty if the scene has only one.
+    set: str = ""
+
+    @property
+    def safety(self) -> float:
+        """Static safety factor [1]: contact load at the allowed pressure (4200 MPa) divided by the contact load."""
+        return self.static_safety.factor
+
+    @property
+    def semi_axes(self) -> tuple[float, float]:
+        """Semi-axes of the contact ellipse, across and along the groove [m]."""
+        return self.a, self.b
 
 
 @result_record
@@ -99,7 +114,7 @@ class StaticSafety:
         error="that of the load",
         heading="static safety",
         form="g3",
-        expected=("pressure_percent", 3.0),
+        expected=("pressure", 3.0),
         note="{allowed_pressure_MPa} MPa (ISO 76)",
     )
     #: Permissible contact pressure [Pa].
@@ -111,6 +126,7 @@ class StaticSafety:
         "permanent_over_diameter",
         "permanent indentation over the ball's diameter, by Palmgren's formula",
         error="twice that of the load",
+        optional=True,
         default=None,
     )
     #: The same factor by the maker's C0 in place of the computed one; None: the scene gives no such C0.
@@ -124,10 +140,12 @@ class StaticSafety:
     )
 
     @property
-    @QuantityDescription("allowed_over_diameter", "permissible permanent indentation over the ball's diameter, 1e-4")
-    def allowed_indentation(self) -> float:
-        """Largest permanent indentation over the ball's diameter that ISO 76 permits, 1e-4."""
-        return ALLOWED
+    @QuantityDescription(
+        "allowed_over_diameter", "permissible permanent indentation over the ball's diameter, 1e-4", optional=True
+    )
+    def allowed_indentation(self) -> float | None:
+        """Largest permanent indentation over the ball's diameter that ISO 76 permits, 1e-4; None for rollers."""
+        return None if self.permanent_indentation is None else ALLOWED
 
 
 @result_record
@@ -221,11 +239,14 @@ def contact_of_highest_pressure(
     force, at, highest = (float(x[i, s]) for x in (load, angle, pressure))
     C, C_a, C_b = (float(x[i, s]) for x in (h.C, h.C_a, h.C_b))
     root = float(np.cbrt(force))
-    return BallContact(i + 1, SIDES[s], force, at, C * root**2, C_a * root, C_b * root, highest)
+    safety = static_safety(scene, drawn, (i, s), force, highest)
+    return BallContact(i + 1, SIDES[s], force, at, C * root**2, C_a * root, C_b * root, highest, safety)
 
 
-def static_safety(scene: Scene, drawn: GeometryWithErrors, worst_contact: BallContact) -> StaticSafety:
-    """Return the static safety of the ball contact with the highest pressure, between parts of hardened bearing steel.
+def static_safety(
+    scene: Scene, drawn: GeometryWithErrors, contact: tuple[int, int], force: float, pressure: float
+) -> StaticSafety:
+    """Return the static safety of a ball contact, between parts of hardened bearing steel.
 
     The permissible load of a ball contact is the load at which its largest pressure is 4200 MPa (ISO 76). The permanent
     indentation is also returned (ISO 3408-5): a force Q indents both surfaces together by 1.3e-7 Q^2/D times the relative
@@ -236,19 +257,20 @@ def static_safety(scene: Scene, drawn: GeometryWithErrors, worst_contact: BallCo
     ----------
     scene, drawn
         Scene, and the dimensions of screw, nut and balls with their random errors.
-    worst_contact
-        Contact with the highest pressure, see `contact_of_highest_pressure`.
+    contact
+        Index of the ball, and index of the flank in `SIDES`.
+    force, pressure
+        Contact force [N] and largest pressure [Pa].
 
     References
     ----------
     Palmgren (1959); Harris and Kotzalas (2007), ball against raceway.
     """
-    i, s = worst_contact.ball - 1, SIDES.index(worst_contact.side)
     changes = contacts.curvature_changes(scene, drawn, drawn.ball_radii)
-    across, along = (contacts.nominal_curvatures(scene) + changes)[i, s]
-    diameter = 2.0 * float(drawn.ball_radii[i])
-    permanent = PALMGREN * worst_contact.force**2 / diameter * float(across * along)
-    factor, given = (DENT_PRESSURE / worst_contact.pressure) ** 3, scene.rating.static
+    across, along = (contacts.nominal_curvatures(scene) + changes)[contact]
+    diameter = 2.0 * float(drawn.ball_radii[contact[0]])
+    permanent = PALMGREN * force**2 / diameter * float(across * along)
+    factor, given = (DENT_PRESSURE / pressure) ** 3, scene.rating.static
     by_maker = None if given is None else factor * given / static_rating(scene)
     return StaticSafety(factor, DENT_PRESSURE, permanent / diameter, by_maker)
 
@@ -299,12 +321,12 @@ RACES = ("inner", "outer")
 
 @result_record
 class RollerContact:
-    """Line contact with the highest pressure in a row of tapered rollers."""
+    """The line contact with the highest pressure in a row of tapered rollers."""
 
     #: Number of the roller, from 1.
-    roller: int = quantity_field("roller", "number of the roller with the highest pressure")
+    element: int = quantity_field("roller", "number of the roller with the highest pressure")
     #: Race of the contact, ``"inner"`` or ``"outer"``.
-    race: str = quantity_field("race", "race with the highest pressure: inner or outer")
+    side: str = quantity_field("race", "race with the highest pressure: inner or outer")
     #: Force of either race on the roller [N].
     force: float = quantity_field("force_N")
     #: Distance of the highest pressure from the roller's middle [m], positive towards the large end.
@@ -335,6 +357,23 @@ class RollerContact:
         "pressure at the roller's middle diameter if its load were spread evenly along it",
         error="half that of the load",
     )
+    #: Static safety of this contact.
+    static_safety: StaticSafety
+    #: Name of the nut or bearing that the contact belongs to.
+    set: str = ""
+    #: Contact angle, approach and semi-axes, which only the contacts of balls have.
+    angle: ClassVar[None] = None
+    approach: ClassVar[None] = None
+    semi_axes: ClassVar[None] = None
+
+    @property
+    def safety(self) -> float:
+        """Static safety factor [1]: contact load at the allowed pressure (4000 MPa) divided by the contact load."""
+        return self.static_safety.factor
+
+
+#: The contact of a rolling body with a raceway that has the highest pressure.
+WorstContact: TypeAlias = BallContact | RollerContact
 
 
 def race_pressures(row: RollerRow, line_loads: Array) -> Array:
@@ -351,11 +390,15 @@ def race_pressures(row: RollerRow, line_loads: Array) -> Array:
     return np.asarray(rollers.half_widths_and_pressures_of_slices(bearing, line_loads)[1].max(axis=1))
 
 
-def roller_contact_of_highest_pressure(row: RollerRow, line_loads: Array) -> RollerContact | None:
-    """Return the line contact with the highest pressure in a row of rollers, and its position along the roller.
+def roller_contact_of_highest_pressure(
+    row: RollerRow, line_loads: Array, maker_over_computed: float | None = None
+) -> RollerContact | None:
+    """Return the line contact with the highest pressure in a row of rollers, with its position and static safety.
 
     Equations and validity are those of `rollbench.lowfi.rollers.half_widths_and_pressures_of_slices`. Under a uniform line
-    load the position is the small end, where the curvatures are largest.
+    load the position is the small end, where the curvatures are largest. The permissible load of a contact between parts of
+    hardened bearing steel is the load at which its largest pressure is 4000 MPa (ISO 76); the pressure is proportional to
+    the square root of the load.
 
     Parameters
     ----------
@@ -363,6 +406,8 @@ def roller_contact_of_highest_pressure(row: RollerRow, line_loads: Array) -> Rol
         Row of tapered rollers.
     line_loads
         Loads per length of each roller's slices ``(count, slices)`` [N/m].
+    maker_over_computed
+        The maker's static load rating over the computed one; None if it is not given.
 
     Returns
     -------
@@ -374,36 +419,21 @@ def roller_contact_of_highest_pressure(row: RollerRow, line_loads: Array) -> Rol
     if not (pressure > 0.0).any():
         return None
     i, k, race = (int(x) for x in np.unravel_index(int(pressure.argmax()), pressure.shape))
-    force = float(line_loads[i].mean()) * row.length
+    force, highest = float(line_loads[i].mean()) * row.length, float(pressure[i, k, race])
+    factor = (ROLLER_DENT_PRESSURE / highest) ** 2
+    by_maker = None if maker_over_computed is None else factor * maker_over_computed
     return RollerContact(
-        roller=i + 1,
-        race=RACES[race],
+        element=i + 1,
+        side=RACES[race],
         force=force,
         position_along_roller=float(rollers.slice_middles(row.length, row.slices)[k]),
         line_load=float(line_loads[i, k]),
         half_width=float(half_width[i, k, race]),
-        pressure=float(pressure[i, k, race]),
+        pressure=highest,
         other_race_pressure=float(pressure[i, :, 1 - race].max()),
         uniform_load_pressure=float(rollers.roller_line_contacts(bearing, force).pressures[race]),
+        static_safety=StaticSafety(factor, ROLLER_DENT_PRESSURE, by_maker=by_maker),
     )
-
-
-def roller_static_safety(worst_contact: RollerContact, maker_over_computed: float | None = None) -> StaticSafety:
-    """Return the static safety of the roller contact with the highest pressure, between parts of hardened bearing steel.
-
-    The permissible load of a roller contact is the load at which its largest pressure is 4000 MPa (ISO 76); the pressure is
-    proportional to the square root of the load.
-
-    Parameters
-    ----------
-    worst_contact
-        Line contact with the highest pressure, see `roller_contact_of_highest_pressure`.
-    maker_over_computed
-        The maker's static load rating over the computed one; None if it is not given.
-    """
-    factor = (ROLLER_DENT_PRESSURE / worst_contact.pressure) ** 2
-    by_maker = None if maker_over_computed is None else factor * maker_over_computed
-    return StaticSafety(factor, ROLLER_DENT_PRESSURE, by_maker=by_maker)
 
 
 #: Stribeck's factor: largest contact load over F_r/Z for Z balls under a radial load F_r without clearance (ISO 76).

@@ -93,7 +93,7 @@ def displacement_of_nut(scene: Scene, result: StaticResult) -> float:
     Examples
     --------
     >>> import rollbench
-    >>> scene, result = rollbench.read("lin-case1"), rollbench.solve("lin-case1", "lin").solved[0].result
+    >>> scene, result = rollbench.read("lin-case1"), rollbench.solve("lin-case1", "lin").solution
     >>> round(1e6 * displacement_of_nut(scene, result), 2)
     18.51
     """

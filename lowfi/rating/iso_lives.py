@@ -71,7 +71,7 @@ import numpy as np
 
 from rollbench.lowfi.rating import life, roller_life
 from rollbench.lowfi.rating.contacts import RACES, static_rating
-from rollbench.lowfi.rating.life import BasicRatingLife, contact_capacity, is_thrust_bearing
+from rollbench.lowfi.rating.life import Life, contact_capacity, is_thrust_bearing
 from rollbench.lowfi.rating.rigidity import approach_per_displacement
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.meshes.arrays import Array
@@ -176,7 +176,7 @@ def fatigue_load_limit(scene: Scene) -> float:
     return float(scene.ball_count * approach_per_displacement(scene) * (FATIGUE_PRESSURE / of_one_newton) ** 3)
 
 
-def modified_life(scene: Scene, by_loads: BasicRatingLife | ReferenceLife | None) -> ModifiedLife | None:
+def modified_life(scene: Scene, by_loads: Life | ReferenceLife | None) -> ModifiedLife | None:
     """Return the modified rating life for the reliability, lubricant and contamination that a scene states.
 
     Parameters
@@ -200,7 +200,7 @@ def modified_life(scene: Scene, by_loads: BasicRatingLife | ReferenceLife | None
     a_1, a_iso = reliability_factor(share), None
     if of.viscosity_ratio is not None and of.contamination is not None:
         thrust = is_thrust_bearing(scene) or scene.track.lead > 0.0
-        clean = of.contamination * limit / by_loads.equivalent
+        clean = of.contamination * limit / by_loads.equivalent_load
         a_iso = life_factor_for_lubrication(of.viscosity_ratio, clean, is_thrust_bearing=thrust)
     return ModifiedLife(a_1 * (1.0 if a_iso is None else a_iso) * by_loads.revolutions, share, a_1, a_iso, limit)
 
@@ -219,10 +219,10 @@ class ReferenceLife:
         "basic reference rating life by ISO/TS 16281, from the loads of all rolling elements and the ring that turns",
         error="about three times that of the loads; for rollers also that of the formula for the stress at their edges",
         heading="life L10r, ISO/TS 16281",
-        expected=("rms_percent", 3.0),
+        expected=("loads_rms", 3.0),
     )
     #: Dynamic equivalent reference load P_ref [N].
-    equivalent: float = quantity_field(
+    equivalent_load: float = quantity_field(
         "equivalent_reference_load_N",
         "dynamic equivalent reference load P_ref, C/L10r^(1/3), for rollers C/L10r^(3/10)",
         error="that of the loads",
@@ -248,6 +248,8 @@ class ReferenceLife:
     )
     #: Ring that turns relative to the load.
     turning: life.TurningRing = quantity_field("turning_ring", "ring that turns: inner or outer")
+    #: Speed of the turning ring [rad/s]; None: the scene states none.
+    speed: float | None = None
     #: The same life with the maker's C in place of the computed one [10^6 revolutions]; None: the scene gives no such C.
     by_maker: float | None = quantity_field(
         "maker_L10r_million_revolutions",
@@ -257,17 +259,20 @@ class ReferenceLife:
         default=None,
     )
 
+    @property
     @QuantityDescription(
-        "L10r_hours", "life L10r in hours, if the scene states a speed", heading="life L10r, ISO/TS 16281", error="as L10r"
+        "L10r_hours",
+        "life L10r in hours, if the scene states a speed",
+        heading="life L10r, ISO/TS 16281",
+        error="as L10r",
+        optional=True,
     )
-    def hours(self, speed: float) -> float:
-        """Return the life in hours; ``speed``: speed of the turning ring [rad/s]."""
-        return 1e6 * self.revolutions * 2.0 * pi / abs(speed) / 3600.0
+    def hours(self) -> float | None:
+        """Life in hours; None if no speed is known."""
+        return 1e6 * self.revolutions * 2.0 * pi / abs(self.speed) / 3600.0 if self.speed else None
 
 
-def ball_reference_life(
-    scene: Scene, by_loads: BasicRatingLife | None, turning: life.TurningRing = "inner"
-) -> ReferenceLife | None:
+def ball_reference_life(scene: Scene, by_loads: Life | None, turning: life.TurningRing = "inner") -> ReferenceLife | None:
     """Return the basic reference rating life of a ball bearing by eq. (3) of this module.
 
     Parameters
@@ -290,7 +295,8 @@ def ball_reference_life(
     capacities = {side: float(rated[side]) for side in by_loads.raceways}
     loads = {side: Q / float(np.cbrt(by_loads.raceways[side])) for side, Q in capacities.items()}
     x = by_loads
-    return ReferenceLife(x.revolutions, x.equivalent, capacities, loads, x.raceways, turning, x.by_maker)
+    maker = x.revolutions_by_maker
+    return ReferenceLife(x.revolutions, x.equivalent_load, capacities, loads, x.raceways, turning, by_maker=maker)
 
 
 def edge_stress_factors(laminae: int) -> Array:
@@ -351,4 +357,6 @@ def roller_reference_life(row: RollerRow, line_loads: Array, turning: life.Turni
         loads[race] = top * row.length * float(np.mean(mean**4.5)) ** (2.0 / 9.0)
     races = {race: (capacities[race] / loads[race]) ** 4 for race in RACES}
     found, C = sum(x ** (-9.0 / 8.0) for x in races.values()) ** (-8.0 / 9.0), roller_life.dynamic_rating_of_row(row)
-    return ReferenceLife(found, C / found**0.3, capacities, loads, races, turning, life.by_maker(row, C, found, 4.0))
+    return ReferenceLife(
+        found, C / found**0.3, capacities, loads, races, turning, by_maker=life.by_maker(row, C, found, 4.0)
+    )

@@ -105,8 +105,11 @@ RADIAL = (0.407, 0.389)
 
 
 @result_record
-class BasicRatingLife:
-    """Basic rating life (reliability 90 %) of a nut by its contact loads, or of a bearing by ISO 281."""
+class Life:
+    """Life L10, which 90 % of identical screws or bearings reach.
+
+    Of a nut by its contact loads (ISO 3408-5), of a bearing (C/P)^p by the equivalent load P of ISO 281.
+    """
 
     #: Basic rating life L10 [10^6 revolutions].
     revolutions: float = quantity_field(
@@ -115,17 +118,17 @@ class BasicRatingLife:
         "the equivalent load P of its force, p = 3 for balls and 10/3 for rollers (ISO 281)",
         error="of a nut about three times that of the loads; in addition fatigue lives scatter",
         heading="life L10",
-        expected=("rms_percent", 3.0),
+        expected=("loads_rms", 3.0),
         note="{standard}",
     )
     #: Basic rating life of each loaded raceway [10^6 revolutions], by the name of the raceway; empty for L10 of a bearing.
     raceways: dict[str, float] = quantity_field(
         "raceways_million_revolutions", "life of one raceway of a nut, a groove flank", error="as above", parts=".*"
     )
-    #: Basic dynamic load rating C [N]: axial for screws and thrust bearings, radial for other bearings.
+    #: Basic dynamic load rating C [N], axial for screws and thrust bearings, radial for other bearings.
     rating: float = quantity_field("rating_as_computed_N", "basic dynamic load rating C")
     #: Equivalent load P [N], at which the rating C gives the same life.
-    equivalent: float = quantity_field(
+    equivalent_load: float = quantity_field(
         "equivalent_load_N",
         "equivalent load P: of a nut that for which C gives the same life, C/L10^(1/3); of a bearing that of ISO 281",
         error="that of the loads",
@@ -134,8 +137,10 @@ class BasicRatingLife:
     standard: str = quantity_field("standard", "standard of the life formulas")
     #: Lead of the screw [m]; 0 for a bearing.
     lead: float = 0.0
-    #: The same life with the maker's C in place of the computed one [10^6 revolutions]; None: the scene gives no such C.
-    by_maker: float | None = quantity_field(
+    #: Speed of the rotating part [rad/s]; None if the scene states none.
+    speed: float | None = None
+    #: The same life with the maker's C in place of the computed one [10^6 revolutions]; None without such a C.
+    revolutions_by_maker: float | None = quantity_field(
         "maker_L10_million_revolutions",
         "life L10 with the maker's C (key `rating.dynamic`) in place of the computed one; null if it is not given",
         heading="life L10 by the maker's C",
@@ -150,22 +155,39 @@ class BasicRatingLife:
         "life L10 as the distance that the nut travels, L10 times the lead; null for bearings",
         error="as in revolutions",
         heading="life L10",
-        expected=("rms_percent", 3.0),
+        expected=("loads_rms", 3.0),
     )
     def distance(self) -> float | None:
-        """Basic rating life as the distance that the nut travels [m]; None for bearings."""
+        """Travel of the nut until the end of the life L10 [m]; None for bearings."""
         return 1e6 * self.revolutions * self.lead if self.lead else None
 
+    @property
     @QuantityDescription(
         "L10_hours",
         "life L10 in hours, if the scene states a speed; for a duty cycle at its mean speed",
         heading="life L10",
-        expected=("rms_percent", 3.0),
+        expected=("loads_rms", 3.0),
         error="as in revolutions",
+        optional=True,
     )
-    def hours(self, speed: float) -> float:
-        """Return the basic rating life in hours; ``speed``: speed of the rotating part [rad/s]."""
-        return 1e6 * self.revolutions * 2.0 * pi / abs(speed) / 3600.0
+    def hours(self) -> float | None:
+        """Running time until the end of the life L10 [h]; None if no speed is known."""
+        return 1e6 * self.revolutions * 2.0 * pi / abs(self.speed) / 3600.0 if self.speed else None
+
+    @property
+    def L10(self) -> float:
+        """Life L10 [revolutions]."""
+        return 1e6 * self.revolutions
+
+    @property
+    def seconds(self) -> float | None:
+        """Running time until the end of the life L10 [s]; None if no speed is known."""
+        return None if self.hours is None else 3600.0 * self.hours
+
+    @property
+    def by_maker(self) -> float | None:
+        """Life L10 with the maker's C of the scene in place of the computed one [revolutions]; None without such a C."""
+        return None if self.revolutions_by_maker is None else 1e6 * self.revolutions_by_maker
 
 
 #: Weibull slope of the lives of point contacts (Lundberg and Palmgren 1947).
@@ -406,7 +428,7 @@ def turning_ring(assembly: Scene | Assembly, row: RollingSet | None = None) -> T
     return "none" if any(s.kind == "ball nut" for s in assembly.sets) else "outer"
 
 
-def basic_rating_life(scene: Scene, load: Array, turning: TurningRing = "inner") -> BasicRatingLife | None:
+def basic_rating_life(scene: Scene, load: Array, turning: TurningRing = "inner") -> Life | None:
     """Return the rating life of a ball screw (L10) or ball bearing (L10r) under given contact loads.
 
     It is (sum over raceways of (Q_c/Q_e)^(-10/3))^(-9/10), with capacity Q_c and equivalent contact load Q_e of a raceway.
@@ -422,7 +444,7 @@ def basic_rating_life(scene: Scene, load: Array, turning: TurningRing = "inner")
 
     Returns
     -------
-    BasicRatingLife | None
+    Life | None
         The life; None without load, and for a bearing whose rings stand still.
 
     Raises
@@ -457,7 +479,8 @@ def basic_rating_life(scene: Scene, load: Array, turning: TurningRing = "inner")
     total, rated = float(shares.sum() ** -0.9), dynamic_rating(scene)
     equivalent = rated / float(np.cbrt(total))
     standard = name_life_standard(scene, by_loads=True)
-    return BasicRatingLife(total, raceways, rated, equivalent, standard, scene.track.lead, by_maker(scene, rated, total))
+    maker = by_maker(scene, rated, total)
+    return Life(total, raceways, rated, equivalent, standard, scene.track.lead, revolutions_by_maker=maker)
 
 
 def by_maker(parts: Scene | RollerRow, rating: float, revolutions: float, exponent: float = 3.0) -> float | None:
@@ -587,14 +610,14 @@ def life_by_equivalent_loads(
 
 def bearing_life_of_equivalent_loads(
     scenes: Sequence[Scene], shares: Sequence[float], forces: Sequence[Array]
-) -> BasicRatingLife | None:
+) -> Life | None:
     """Return the life L10 = (C/P)^3 of a ball bearing by ISO 281, with the equivalent load P of one or several load cases.
 
     Arguments and errors are those of `life_by_equivalent_loads`.
 
     Returns
     -------
-    BasicRatingLife | None
+    Life | None
         The life; None without load.
     """
     found = life_by_equivalent_loads(scenes, shares, forces, 0.0)
@@ -602,7 +625,7 @@ def bearing_life_of_equivalent_loads(
         return None
     C, standard, (P,) = dynamic_rating(scenes[0]), name_life_standard(scenes[0]), found.equivalent_loads
     maker = by_maker(scenes[0], C, found.revolutions)
-    return BasicRatingLife(found.revolutions, {}, C, P, standard, by_maker=maker)
+    return Life(found.revolutions, {}, C, P, standard, revolutions_by_maker=maker)
 
 
 def force_of_contact_loads(azimuth: Array, load: Array, angle: Array) -> Array:

@@ -36,7 +36,7 @@ import numpy as np
 
 from rollbench.lowfi.hertz import contact_modulus
 from rollbench.lowfi.rating.contacts import STRIBECK, Ratings
-from rollbench.lowfi.rating.life import RADIAL_UP_TO, BasicRatingLife, by_maker
+from rollbench.lowfi.rating.life import RADIAL_UP_TO, Life, by_maker
 from rollbench.lowfi.rollers import tapered_bearing_of_row
 from rollbench.lowfi.statics.validity import ROLLER_DENT_PRESSURE
 from rollbench.meshes.arrays import Array
@@ -193,9 +193,7 @@ def equivalent_load_of_row(row: RollerRow, radial: float, axial: float) -> float
     return 0.4 * radial + 0.4 / tan(row.cup_angle) * axial
 
 
-def life_of_row_by_equivalent_loads(
-    row: RollerRow, shares: Sequence[float], forces: Sequence[Array]
-) -> BasicRatingLife | None:
+def life_of_row_by_equivalent_loads(row: RollerRow, shares: Sequence[float], forces: Sequence[Array]) -> Life | None:
     """Return the life L10 of a row of tapered rollers by the equivalent loads of one or several load cases (ISO 281).
 
     Parameters
@@ -209,7 +207,7 @@ def life_of_row_by_equivalent_loads(
 
     Returns
     -------
-    BasicRatingLife | None
+    Life | None
         Life (C/P_m)^(10/3) with the dynamic load rating C, and the mean P_m of order 10/3 of the equivalent loads; None
         without load.
     """
@@ -219,4 +217,4 @@ def life_of_row_by_equivalent_loads(
         return None
     mean = top * float(np.asarray(shares) @ (loads / top) ** EXPONENT) ** (1.0 / EXPONENT)
     found, standard = (C / mean) ** EXPONENT, dynamic_and_static_ratings_of_row(row).dynamic_standard
-    return BasicRatingLife(found, {}, C, mean, standard, by_maker=by_maker(row, C, found, EXPONENT))
+    return Life(found, {}, C, mean, standard, revolutions_by_maker=by_maker(row, C, found, EXPONENT))

@@ -7,7 +7,8 @@ import pytest
 from tests.helpers import relative, solved, with_ingredients
 
 from rollbench.compare.measure import mean_load
-from rollbench.compare.results.scene_json import beam_discretisation_percent
+from rollbench.compare.models.set_results import SetResult
+from rollbench.compare.results.solved import Result
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
 
@@ -53,5 +54,9 @@ def test_the_sources_partition_is_within_two_per_cent(case):
     assert 1e-5 < error < 0.02
     change = np.abs(result.load - nodal(case)).max()
     assert result.solver.discretisation == pytest.approx(change, rel=1e-6)
-    mean = mean_load(result.load, count_nominal_contacts(scene))
-    assert beam_discretisation_percent(scene, result) == pytest.approx(100.0 * change / mean, rel=1e-6)
+    contacts = count_nominal_contacts(scene)
+    sets = {"": SetResult(parts=scene, balls=result, nominal_contacts=contacts)}
+    mean = mean_load(result.load, contacts)
+    assert Result(described=scene, solution=result, sets=sets).discretisation_percent == pytest.approx(
+        100.0 * change / mean, rel=1e-6
+    )

@@ -9,6 +9,7 @@ import json
 import re
 import sys
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,9 @@ from tests.campaign.draw_axes import axis_text
 from tests.golden.means import answered, numbers_by_name
 
 from rollbench.compare.errors import InputError, SceneNotCoveredError
-from rollbench.compare.models.answers import compute_scene_results, compute_shaft_results
 from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.set_results import SetResult
+from rollbench.compare.results.solved import Result, solve_shaft, solve_with_results
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import KINDS
 from rollbench.compare.studies import survey
@@ -140,10 +142,19 @@ def solved(text: str, model: str) -> Any:
         loose = next((text for text in several.left_out if HELD in text), "")
         if re.search("u[xyz]|r[xy]", loose):  # round-off decides where it comes to rest
             return several.status, [s.loads for s in several.sets]
-        return (several, compute_shaft_results(described, several)) if several.converged else several
+        return answers(solve_shaft(described, model))
     scene = scene_file.single_nut_scene_or_raise(described, "drawn.toml")
-    result = run_model(scene, model, WITHOUT_MESH_ERROR)
-    return (result, compute_scene_results(scene, result, model, WITHOUT_MESH_ERROR)) if result.converged else result
+    return answers(solve_with_results(scene, model, WITHOUT_MESH_ERROR))
+
+
+def answers(found: Result) -> Any:
+    """The solution, and what follows from it for each nut or bearing and for the whole scene."""
+    if not found.converged:
+        return found.solution
+    names = [f.name for f in fields(SetResult) if f.name not in ("parts", "balls", "on_shaft", "nominal_contacts")]
+    each = [{name: getattr(s, name) for name in (*names, "life_by_loads")} for s in found.sets.values()]
+    whole = {name: getattr(found, name) for name in ("axial", "nut", "load_point", "displacement", "load_path")}
+    return found.solution, each, {"whole": whole}
 
 
 def of_kind(number: int) -> str:

@@ -436,7 +436,7 @@ def fixation_table_rows(cache: SceneResultCache, size: str) -> list[dict[str, Ce
                 "held": way,
                 **dict(zip(("largest", "life", "rigidity"), values, strict=True)),
                 **dict(zip(("load_change", "life_change", "rigidity_change"), changes, strict=True)),
-                "expected": estimate_model_error(held[way], found[way]).percent if model else None,
+                "expected": estimate_model_error(held[way], found[way]).loads if model else None,
                 "off": load_error(load, loads[way][max(loads[way])]).max_percent if model and loads[way] else None,
                 "mesh": mesh,
                 "share": None if printed is None else 1.0 + float(error_percent(printed, values[2])) / 100.0,

@@ -566,6 +566,6 @@ def _clause_on_load_error(scene: Scene, static_result: StaticResult) -> str:
     ``static_result``: static result of the low-order model.
     """
     form = estimate_model_error(scene, static_result)
-    if not static_result.converged or form.percent is None:
+    if not static_result.converged or form.loads is None:
         return "no similar scene was compared with the 3D reference"
-    return f"error to expect {form.percent:.1f} % of the mean load on the worst contact (nearest compared: {form.nearest})"
+    return f"error to expect {form.loads:.1f} % of the mean load on the worst contact (nearest compared: {form.nearest})"

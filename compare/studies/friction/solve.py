@@ -6,7 +6,7 @@ cases of a duty cycle are solved as separate scenes, and the mean torque over al
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,11 +14,12 @@ import numpy as np
 
 from rollbench.compare import quantities
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.answers import RollerLoadResults, ShaftResults, solve_assembly_with_results
 from rollbench.compare.models.friction_sums import friction_results_json
 from rollbench.compare.models.load_cases import motor_torques_and_inertias
 from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.set_results import SetResult as ResultOfSet
 from rollbench.compare.quantities import format_range, json_number
+from rollbench.compare.results.solved import solve_shaft
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import kind_of_scene
@@ -160,17 +161,19 @@ def solve_friction_of_shaft(assembly: Assembly, choices: friction_whole.Friction
         raise InputError(
             assembly.name, "motion.turns", '"nut"', '"screw"', "let the shaft turn: its nuts and housings stand still"
         )
-    result, answers = solve_assembly_with_results(assembly, choices.model, choices.member)
+    solved = solve_shaft(assembly, choices.model, choices.member)
+    result = solved.solution
+    assert isinstance(result, AxisResult)
     head = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}
-    if answers is None:
+    if not solved.converged:
         remarks = {"assumed": list(assembly.assumed), "left_out": [], "warnings": []}
         failed = head | {"status": f"contact loads: {result.status}", "converged": False} | remarks
         return FrictionAnswer(failed, [], [], False)
     if not pairs:
-        return _answer_on_shaft(head, assembly, result, answers, (Friction(0.0, 0.0), motion, [], {}))
+        return _answer_on_shaft(head, assembly, result, solved.sets, (Friction(0.0, 0.0), motion, [], {}))
     each = _friction_of_nuts_and_bearings(result, pairs, motion)
     drag = _drag_torques_of_nuts_and_bearings(assembly, result, pairs[0], motion)
-    found = _answer_on_shaft(head, assembly, result, answers, (pairs[0], motion, each[0], drag))
+    found = _answer_on_shaft(head, assembly, result, solved.sets, (pairs[0], motion, each[0], drag))
     over = [{"screw": f.screw, "nut": f.nut} | _torques_of_shaft(states, {}) for f, states in zip(pairs, each, strict=True)]
     tables = list(found.tables)
     if len(pairs) > 1:
@@ -228,22 +231,22 @@ def _answer_on_shaft(
     head: dict[str, str],
     assembly: Assembly,
     result: AxisResult,
-    answers: ShaftResults,
+    sets: Mapping[str, ResultOfSet],
     found: tuple[Friction, Motion, SolvedSets, dict[int, float]],
 ) -> FrictionAnswer:
     """Return the friction of a shaft with several nuts and bearings as JSON values, tables and text lines.
 
-    ``head``: JSON entries on scene and model; ``result``: static solution of the shaft; ``answers``: ratings and lives of
-    its nuts and bearings; ``found``: coefficients of friction, motion, friction of the nuts and ball bearings, and their
-    drag torques [N m] by number.
+    ``head``: JSON entries on scene and model; ``result``: static solution of the shaft; ``sets``: results of its nuts and
+    bearings by name; ``found``: coefficients of friction, motion, friction of the nuts and ball bearings, and their drag
+    torques [N m] by number.
     """
     friction, motion, solved, drag = found
-    nuts = {
-        i: (friction_results_json(x.friction_sums, None) if x.all_balanced else None, "")
-        for i, s, x in solved
-        if isinstance(s.of.parts, Scene) and s.of.parts.track.lead
+    rubbing = {
+        s.of.name: replace(sets[s.of.name], friction=friction_results_json(x.friction_sums, None))
+        for _, s, x in solved
+        if x.all_balanced
     }
-    drive = quantities.record_as_json(motor_torques_and_inertias(assembly, result, answers, nuts))
+    drive = quantities.record_as_json(motor_torques_and_inertias(assembly, {**sets, **rubbing}))
     rows = []
     for i, s, state in solved:
         torques = friction_results_json(state.friction_sums, drag.get(i))
@@ -295,20 +298,19 @@ def _answer_on_shaft(
         for x in (drive or {}).get("sets", ())
     ]
     tables.append(("torque that turns the shaft", DRIVE_COLUMNS, whole))
-    if rollers := _torques_of_roller_rows(answers):
+    if rollers := _torques_of_roller_rows(sets):
         data |= {"roller_torques": rollers}
         title = "rows of tapered rollers: friction torque (from 0.03 to 0.15 of rib friction where none is given)"
         tables.append((title, ROLLER_COLUMNS, [_row_of_roller_torque(x) for x in rollers]))
     return FrictionAnswer(data, tables, lines, failed is None, every)
 
 
-def _torques_of_roller_rows(answers: ShaftResults) -> list[dict[str, Any]]:
+def _torques_of_roller_rows(sets: Mapping[str, ResultOfSet]) -> list[dict[str, Any]]:
     """Return the friction torques of all loaded rows of tapered rollers on a shaft as JSON, with number and name."""
-    found = ((i, x.name, x.load_results) for i, x in enumerate(answers.set_results, 1))
     return [
-        {"set": i, "name": name, **(quantities.record_as_json(x.torque) or {})}
-        for i, name, x in found
-        if isinstance(x, RollerLoadResults) and x.torque is not None
+        {"set": i, "name": x.name, **quantities.record_as_json(x.torque)}
+        for i, x in enumerate(sets.values(), 1)
+        if x.torque is not None
     ]
 
 

@@ -647,11 +647,7 @@ def _build_friction_answer(
     between = 0.0 if state.neighbour_friction is None else state.neighbour_friction.power_lost_between_balls
     loads = results_of_contact_loads(scene, result.load, result.contact_angle, result.member)
     warnings = [] if played is None else [play_warning(played)]
-    warnings += [
-        *result.warnings,
-        *validity_warnings(scene, loads, held),
-        *notes_on_friction_feedback(unloaded, result, state),
-    ]
+    warnings += [*result.warnings, *validity_warnings(loads, held), *notes_on_friction_feedback(unloaded, result, state)]
     if abs(slip) > WIDE:
         text = f"the contacts are so wide that {output.heathcote_slip_clause(slip)}"
         warnings.append(ResultWarning("slip", text))

@@ -6,7 +6,7 @@ from tests import shipped_texts
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.registry import run_model
-from rollbench.compare.results.scene_json import palmgren_load_torque
+from rollbench.compare.models.set_results import palmgren_load_torque
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.axis_file import preload_of_arrangement
 from rollbench.lowfi.bearings.angular_contact import BallBearingRow, bearing_with_contact_angle

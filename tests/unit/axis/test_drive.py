@@ -7,8 +7,8 @@ import pytest
 from tests.axes import ROLLERS, assembly, bearing, fixed_axis
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.load_cases import solve_shaft_with_results as solve
 from rollbench.compare.models.registry import ModelOptions
+from rollbench.compare.results.solved import solve_with_results as solve
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.friction.solve import solve_friction_of_shaft
 from rollbench.compare.studies.friction.whole import FrictionChoices
@@ -38,8 +38,8 @@ def test_the_torque_is_the_sum_of_nuts_bearings_seals_and_all_else():
         sums = np.sum([x[one] for x in drive["sets"]], axis=0) + 100.0 + 300.0
         assert drive[whole] == pytest.approx(sums, rel=1e-12)
     alone = solve(driven(), "lin", ModelOptions())
-    assert alone.motor_torques is not None
-    assert 1e3 * np.array(alone.motor_torques.running) == pytest.approx(drive["running_torque_Nmm"], rel=1e-9)
+    assert alone.drive is not None
+    assert 1e3 * np.array(alone.drive.running) == pytest.approx(drive["running_torque_Nmm"], rel=1e-9)
 
 
 @pytest.mark.parametrize("name", ["axis-fixed-fixed", "smith-axis"])
@@ -83,7 +83,7 @@ def test_a_shaft_in_rollers_alone_answers_without_a_coefficient():
     axis = replace(assembly(*rows), loads=(Load(0.05, (0.0, 0.0, 500.0)),), supports=fixed_axis().supports)
     axis = replace(axis, motion=FAST, lubricant=OIL)
     found, alone = solve_friction_of_shaft(axis, LIN), solve(axis, "lin", ModelOptions())
-    by_hand = [roller_bearing_torque(s.of.parts, s.line_loads, FAST.speed, OIL) for s in alone.result.sets]
+    by_hand = [roller_bearing_torque(s.of.parts, s.line_loads, FAST.speed, OIL) for s in alone.solution.sets]
     low, high = found.data["drive"]["running_torque_Nmm"]
     assert low < 1e3 * sum(x.torque for x in by_hand) < high
     assert solve_friction_of_shaft(replace(axis, motion=None), LIN).data["drive"]["running_torque_Nmm"] is None
@@ -116,7 +116,7 @@ def test_load_s_part_grows_as_the_friction_of_the_balls_in_their_contacts_does(f
 
 def test_life_of_all_sets_is_that_of_parts_in_series():
     one = solve(driven(), "lin", ModelOptions())
-    sets, life = [x.load_results for x in one.derived_results.set_results], one.combined_life
+    sets, life = [*one.sets.values()], one.axis_life
     for found, lives in (
         (life.revolutions, [x.life_by_loads.revolutions for x in sets]),
         (life.basic, [x.life.revolutions for x in sets]),

@@ -67,10 +67,10 @@ def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path) ->
     result = run_model(scene, "refined")
     assert refined.axial_force == pytest.approx(axial_force(result), rel=1e-6)
     wanted = estimate_model_error(scene, result, [p for p in model_errors_on_compared_scenes() if p.scene != scene.name])
-    assert (whole.expected.percent, whole.expected.distance) == pytest.approx((wanted.percent, wanted.distance), rel=1e-9)
+    assert (whole.expected.loads, whole.expected.distance) == pytest.approx((wanted.loads, wanted.distance), rel=1e-9)
     assert whole.expected.distance > estimate_model_error(scene, result).distance, "not expected of itself"
     said = found_by.comparison_verdict_sentence(whole, found)
-    assert f"expected error: {whole.expected.percent:.2f} %" in said
+    assert f"expected error: {whole.expected.loads:.2f} %" in said
     assert f"numerical uncertainty (mesh) {whole.uncertainty.discretisation:.2f} % of the mean load" in said
     assert f"input uncertainty (tolerances) {whole.uncertainty.inputs:.2f} %" in said
     assert whole.uncertainty.choices.scene == "lin-case3", "not varied on these parts: the choices with the largest effect"

@@ -13,12 +13,13 @@ from scipy.io import mmread
 from tests.processes import COMMAND, ran
 
 from rollbench.compare.commands.solve import SolveOptions, dmig_text, exit_code_of_solutions, matrix_market_text
-from rollbench.compare.models.answers import compute_scene_results, tangent_stiffness_at
+from rollbench.compare.models.answers import tangent_stiffness_at
 from rollbench.compare.models.loading import find_lift_off_load, preload_from_unloaded, solve_with_scaled_loads
 from rollbench.compare.models.registry import MODELS, ModelOptions, run_model
 from rollbench.compare.reference.estimate import reference_of_scene
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.results.compared import compare_models_with_reference
+from rollbench.compare.results.solved import solve_with_results
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.template import ball_screw_text
 from rollbench.compare.studies.friction.answer import FrictionAnswer
@@ -32,10 +33,10 @@ QUIET = ModelOptions(estimate_beam_mesh_error=False)
 
 def test_preload_is_what_the_flanks_press_without_load() -> None:
     scene = catalogue.scene("lin-case3")
-    found = compute_scene_results(scene, run_model(scene, "lin", QUIET), "lin", QUIET)
+    found = solve_with_results(scene, "lin", QUIET)
     bare = solve_with_scaled_loads(scene, 0.0, "lin", QUIET)
     held = preload_from_unloaded(scene, bare)
-    assert (held, held.loaded) == (found.preload, 4 * scene.ball_count)
+    assert (held, held.contacts) == (found.preload, 4 * scene.ball_count)
     assert held.axial == pytest.approx(approach_per_displacement(scene) * bare.load[:, 0].sum(), rel=0.02)
 
 
@@ -180,7 +181,7 @@ def test_strict_ends_with_1_on_every_kind_of_warning_but_remarks(kind: Kind) -> 
     """Whether or not the warning has a short form of its own; in `solve` and `friction`, which print the same line."""
     counts = kind in (*VALIDITY, *INPUT)
     for warned in (ResultWarning(kind, "text"), ResultWarning(kind, "text", "short").with_part_name("nut 1")):
-        solved = SimpleNamespace(derived_results="found", result=SimpleNamespace(warnings=(warned,)))
+        solved = SimpleNamespace(converged=True, solution=SimpleNamespace(warnings=(warned,)))
         codes = [exit_code_of_solutions([solved], SolveOptions("lin", strict=strict)) for strict in (False, True)]
         assert codes == [0, int(counts)]
         line = FrictionAnswer({"warnings": [warned]}, [], [], True).warning
@@ -228,7 +229,7 @@ def test_a_modulus_of_no_solid_is_refused_unless_it_is_meant(scene_file, command
 def test_compare_counts_displacements_from_where_solve_does() -> None:
     scene, stores = catalogue.scene("lin-case3"), (shipped_store(),)
     whole = compare_models_with_reference(scene, [MODELS["lin"]], reference_of_scene(scene, stores), stores)
-    solved = compute_scene_results(scene, run_model(scene, "lin", QUIET), "lin", QUIET)
+    solved = solve_with_results(scene, "lin", QUIET)
     (row,) = (b for b in whole.models if b.label == "lin")
     assert row.axial_displacement == pytest.approx(solved.displacement[2], rel=1e-9)
     assert whole.unloaded_position != 0.0

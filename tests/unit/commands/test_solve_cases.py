@@ -11,6 +11,7 @@ from tests.load_cases import CASES, SHIPPED, TEXT, case, written
 
 import rollbench
 from rollbench.compare.models import load_cases, registry
+from rollbench.compare.results.solved import solve_with_results
 from rollbench.compare.studies.sweep.keys import read_varied_keys
 from rollbench.compare.studies.sweep.run import SweepDefinition
 from rollbench.compare.studies.sweep.sample import solve_sample
@@ -109,6 +110,7 @@ def test_a_sweep_takes_the_worst_case_and_the_life_over_the_cycle(tmp_path) -> N
 def test_a_nut_on_a_shaft_bears_its_own_force_alone(force: float) -> None:
     """ISO 3408-5 adds preload between two halves: offsets that preload a set of several are in its force already."""
     screw = one_set(small_screw(4, force=(0.0, 0.0, force)))
-    nut = load_cases.solve_with_results(screw, "lin", registry.ModelOptions()).loads_by_set["nut"]
+    solved = solve_with_results(screw, "lin", registry.ModelOptions())
+    nut = load_cases.loads_for_life(screw, solved.sets["nut"])
     found = life_by_equivalent_loads([nut.parts], [1.0], [nut.force], nut.preload)
     assert found.equivalent_loads == (pytest.approx(force, rel=1e-6), 0.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.measure import load_error, mean_load
-from rollbench.compare.results.scene_json import ball_loads_json
+from rollbench.compare.models.set_results import ball_load_summary
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics import nominal, static
 from rollbench.meshes.parts import BallErrors, Errors
@@ -23,8 +23,8 @@ def loads(stray=0.0):
 def test_a_contact_that_is_barely_touched_moves_no_percentage():
     assert mean_load(loads()) == 358.0
     assert mean_load(loads(0.2)) == pytest.approx(358.0 + 0.2 / 64, rel=1e-12)
-    said = ball_loads_json(loads(0.2))
-    assert [said[k] for k in ("mean_N", "loaded_contacts", "contacts_in_mean")] == [mean_load(loads(0.2)), 65, 64]
+    said = ball_load_summary(loads(0.2))
+    assert [said.mean, said.loaded_contacts, said.contacts_in_mean] == [mean_load(loads(0.2)), 65, 64]
     value = loads()
     value[3, 0] = 365.0
     errors = [load_error(value, reference).max_percent for reference in (loads(), loads(0.2))]
@@ -39,8 +39,8 @@ def test_the_mean_is_over_the_contacts_that_the_screw_without_errors_loads(name,
     load = static.solve_static(scene).load
     assert np.count_nonzero(load) == loaded
     assert mean_load(load, contacts) == pytest.approx(load.sum() / contacts, rel=1e-12)
-    said = ball_loads_json(load, contacts)
-    assert (said["mean_N"], said["contacts_in_mean"]) == (mean_load(load, contacts), contacts)
+    said = ball_load_summary(load, contacts)
+    assert (said.mean, said.contacts_in_mean) == (mean_load(load, contacts), contacts)
     value = load + load.max() * (load == load.max())
     assert load_error(value, load, contacts).max_percent == pytest.approx(100.0 * load.max() * contacts / load.sum())
 

@@ -52,11 +52,11 @@ def test_a_warmed_double_nut_is_not_covered() -> None:
     cold = drawn(0)
     result = run_model(cold, "lin", ModelOptions(estimate_beam_mesh_error=False))
     found = model_form.estimate_double_nut_error(cold, result)
-    assert (found.percent is not None, found.calibrated) == (True, len(survey.built_in_survey("double nut")["scenes"]))
+    assert (found.loads is not None, found.calibrated) == (True, len(survey.built_in_survey("double nut")["scenes"]))
     for change, words in (
         ({"thermal_strain": 1e-5}, "its shaft is warmed"),
         ({"sets": (cold.sets[0], replace(cold.sets[1], housing="table"))}, "housings that can move"),
     ):
         other = model_form.estimate_double_nut_error(replace(cold, **change), result)
-        assert (other.percent, words in other.words[-1]) == (None, True)
+        assert (other.loads, words in other.words[-1]) == (None, True)
     assert model_form.estimate_double_nut_error(replace(cold, sets=cold.sets[:1]), result) is None

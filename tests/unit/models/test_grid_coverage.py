@@ -135,7 +135,7 @@ def test_the_law_of_large_displacements_is_that_of_another_program() -> None:
     ours, scene = STUDY.stored_reference("two-balls"), STUDY.built_in_scene("two-balls")
     large = next(r for r in calculix() if r.nlgeom)
     small = next(r for r in calculix() if not r.nlgeom and (r.b_over_h, r.growth) == (large.b_over_h, large.growth))
-    worst = answers.results_of_contact_loads(scene, small.load, np.radians(ours.best.angle)).worst_contact
+    worst = answers.results_of_contact_loads(scene, small.load, np.radians(ours.best.angle)).worst
     on = small.load > 0.0
     a = worst.a * (small.load[on] / worst.force) ** (1.0 / 3.0)
     lost = -(large.load - small.load)[on] / small.load[on]

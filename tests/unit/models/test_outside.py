@@ -24,5 +24,5 @@ RATING = dynamic_rating(SCENE)
     ],
 )
 def test_each_line_is_said_just_beyond_it(safety, preload, kinds):
-    loads = SimpleNamespace(safety=None if safety is None else SimpleNamespace(factor=safety))
-    assert [warned.kind for warned in validity_warnings(SCENE, loads, preload)] == kinds
+    found = SimpleNamespace(parts=SCENE, worst=None if safety is None else SimpleNamespace(safety=safety))
+    assert [warned.kind for warned in validity_warnings(found, preload)] == kinds

@@ -24,7 +24,7 @@ def test_a_variant_is_the_model_on_the_changed_scene():
 
 def test_the_estimate_speaks_for_the_source_too():
     lin, source, mei = (
-        model_form.estimate_model_error(CASE1, run_model(CASE1, name, QUIET)).percent for name in ("lin", "source", "mei")
+        model_form.estimate_model_error(CASE1, run_model(CASE1, name, QUIET)).loads for name in ("lin", "source", "mei")
     )
     assert (source, mei) == (pytest.approx(lin, rel=0.02), None)
 

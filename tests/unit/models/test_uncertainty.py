@@ -69,7 +69,7 @@ def test_large_displacements_take_more_of_a_heavier_contact() -> None:
     """By the larger semi-axis, so that a load that is eight times as large loses sixteen times as much, its mean eight."""
     scene, found = STUDY.built_in_scene("lin-case1"), STUDY.stored_reference("lin-case1")
     effect = uncertainty.effect_of_large_displacements
-    worst = results_of_contact_loads(scene, found.load, np.radians(found.best.angle)).worst_contact
+    worst = results_of_contact_loads(scene, found.load, np.radians(found.best.angle)).worst
     mean = found.load[found.load > 0.0].mean()
     once, eight, none = (effect(scene, replace(found, load=factor * found.load)) for factor in (1.0, 8.0, 0.0))
     assert once == pytest.approx(3.0 * worst.a / scene.balls.radius * found.load.max() / mean)
@@ -163,13 +163,13 @@ def test_solve_says_not_covered_where_a_scene_is_outside(change, name: str) -> N
     form = estimate_model_error(changed, result)
     if name:
         assert any(text.startswith(name) for text in beyond)
-        assert form.percent is None
+        assert form.loads is None
         assert any("outside the range of the compared scenes" in w or "unlike every compared" in w for w in form.words)
         cells = [r for r in validated_range_table(changed).rows if r["where"] == "OUTSIDE"]
         assert len(cells) == len(beyond)
     else:
         assert beyond == ()
-        assert form.percent is not None
+        assert form.loads is not None
 
 
 @pytest.mark.parametrize("left", [None, "{", "[]", '{"screws": {"a": {}}, "rings": {"a": {}}}'])
@@ -187,7 +187,7 @@ def test_nothing_is_covered_where_an_installation_lacks_what_was_compared(monkey
     monkeypatch.setattr(files, "shipped_text", text)
     applicability.descriptors_of_built_in_scenes.cache_clear()
     try:
-        assert estimate_model_error(scene, result).percent is None
+        assert estimate_model_error(scene, result).loads is None
         assert "places.json is missing or damaged" in " ".join(applicability.descriptors_outside_range(scene))
     finally:
         applicability.descriptors_of_built_in_scenes.cache_clear()

@@ -306,7 +306,7 @@ def test_the_answer_of_a_program_is_taken(program):
     answer = ANSWER.replace('["ball', '[f"# displacement: 0 0 {3e-6 * at} 0 0 {1e-5 * at}"] + ["ball')
     found = rollbench.solve("lin-case1", program(moved + answer))
     np.testing.assert_array_equal(found.loads, np.repeat(100.0 + np.arange(32.0), 4).reshape(32, 4))
-    np.testing.assert_array_equal(found.solved[0].result.centreline, [[0.0, 0.0, 3e-6, 0.0, 0.0, 1e-5]])
+    np.testing.assert_array_equal(found.solution.centreline, [[0.0, 0.0, 3e-6, 0.0, 0.0, 1e-5]])
     assert found.nut.displacement == pytest.approx(3e-6 - 1e-5 * lead_per_radian(catalogue.scene("lin-case1").track))
     assert found.displacement is None, "the model states the motion at the nut, and the load acts elsewhere"
 

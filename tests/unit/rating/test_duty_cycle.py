@@ -21,7 +21,7 @@ def loads(*columns: int) -> np.ndarray:
     return out
 
 
-def life_of(cases: list[np.ndarray], shares: list[float]) -> life.BasicRatingLife:
+def life_of(cases: list[np.ndarray], shares: list[float]) -> life.Life:
     """The screw's life under contact loads of several cases."""
     return life.basic_rating_life(SCREW, life.damage_equivalent_contact_loads(cases, shares))
 
@@ -73,7 +73,7 @@ def test_equivalent_load_of_a_nut_with_play() -> None:
 def test_equal_contacts_in_every_case_agree_with_the_equivalent_load() -> None:
     even = np.zeros((SCREW.ball_count, 4))
     even[:, [0, 3]] = 1.0
-    force = life.basic_rating_life(SCREW, even).equivalent  # along the axis, of contacts of 1 N
+    force = life.basic_rating_life(SCREW, even).equivalent_load  # along the axis, of contacts of 1 N
     found = life_of([100.0 * even, 250.0 * even], [0.6, 0.4])
     by_standard = standard([100.0 * force, 250.0 * force], [0.6, 0.4])
     assert found.revolutions == pytest.approx(by_standard.revolutions, rel=1e-10)

@@ -37,7 +37,7 @@ def test_L10_of_a_row_is_C_over_its_equivalent_load_and_knows_no_distribution():
     forces = np.array([752.6, 0.0, 5067.0]), np.array([0.0, -752.6, -5067.0])
     one, two = (roller_life.life_of_row_by_equivalent_loads(row, [1.0], [k * forces[0]]) for k in (1.0, 2.0))
     assert one.rating == pytest.approx(79_798.95, rel=1e-6)
-    assert one.equivalent == pytest.approx(0.4 * 752.6 + 0.4 / np.tan(np.radians(16.0)) * 5067.0)
+    assert one.equivalent_load == pytest.approx(0.4 * 752.6 + 0.4 / np.tan(np.radians(16.0)) * 5067.0)
     assert one.revolutions == pytest.approx(2810.0, rel=1e-3)
     assert one.revolutions / two.revolutions == pytest.approx(2.0 ** (10.0 / 3.0), rel=1e-12)
     assert (one.standard, two.raceways) == ("ISO 281", {})
@@ -111,7 +111,7 @@ def test_rollers_by_the_standards_formulas_written_out_lamina_by_lamina():
     assert found.revolutions == pytest.approx(total ** (-8 / 9), rel=2e-2), "the fourth power of the rounded factors"
     assert found.capacities["inner"] == pytest.approx(Q_ci, rel=4e-3)
     assert found.capacities["outer"] == pytest.approx(Q_ce, rel=4e-3)
-    assert found.equivalent == pytest.approx(C * found.revolutions**-0.3)
+    assert found.equivalent_load == pytest.approx(C * found.revolutions**-0.3)
 
 
 def test_life_of_rollers_falls_with_the_fourth_power_of_the_load():
@@ -154,7 +154,7 @@ def test_radial_load_without_clearance_has_the_life_of_ISO_281():
     force = float(load[:, 0] @ np.cos(phi))
     found = iso_lives.ball_reference_life(ring, basic_rating_life(ring, load))
     assert found.revolutions == pytest.approx((dynamic_rating(ring) / force) ** 3, rel=5e-3)
-    assert found.equivalent == pytest.approx(force, rel=2e-3)
+    assert found.equivalent_load == pytest.approx(force, rel=2e-3)
 
 
 def test_axial_load_on_a_thrust_bearing_has_the_life_of_ISO_281():
@@ -163,7 +163,9 @@ def test_axial_load_on_a_thrust_bearing_has_the_life_of_ISO_281():
     load[:, [0, 3]] = 100.0
     thrust = 100.0 * ring.ball_count * np.sin(np.radians(60.0))
     found = iso_lives.ball_reference_life(ring, basic_rating_life(ring, load))
-    assert (found.revolutions, found.equivalent) == pytest.approx(((dynamic_rating(ring) / thrust) ** 3, thrust), rel=1e-9)
+    assert (found.revolutions, found.equivalent_load) == pytest.approx(
+        ((dynamic_rating(ring) / thrust) ** 3, thrust), rel=1e-9
+    )
     assert found.loads == pytest.approx({"SL": 100.0, "NR": 100.0})
     screw = rollbench.read("lin-case1")
     assert iso_lives.ball_reference_life(screw, basic_rating_life(screw, np.ones((32, 4)))) is None

@@ -95,12 +95,13 @@ def test_ratings_of_a_maker_stand_beside_the_computed_ones_and_lose_no_stored_ru
         assert isinstance(scene, Scene)
         given = replace(scene, rating=maker)
         plain, found = (rollbench.solve(x, "lin") for x in (scene, given))
-        ratio = maker.dynamic / found.solved[0].derived_results.load_results.ratings.dynamic
-        loads = found.solved[0].derived_results.load_results
+        ratio = maker.dynamic / found.only.ratings.dynamic
+        loads = found.only
         assert loads.ratings.maker_dynamic == maker.dynamic
-        assert loads.life_by_loads.by_maker == pytest.approx(loads.life_by_loads.revolutions * ratio**3)
-        assert loads.life_by_loads.revolutions == plain.solved[0].derived_results.load_results.life_by_loads.revolutions
-        assert loads.safety.by_maker == pytest.approx(loads.safety.factor * maker.static / loads.ratings.static)
+        by_maker = loads.life.revolutions_by_maker if scene.track.lead else loads.reference_life.by_maker
+        assert by_maker == pytest.approx(loads.life_by_loads.revolutions * ratio**3)
+        assert loads.life_by_loads.revolutions == plain.only.life_by_loads.revolutions
+        assert loads.worst.static_safety.by_maker == pytest.approx(loads.worst.safety * maker.static / loads.ratings.static)
         assert static_part(given) == static_part(scene)
         file = tmp_path / f"{name}.toml"
         file.write_text(given.to_toml())
@@ -110,10 +111,10 @@ def test_ratings_of_a_maker_stand_beside_the_computed_ones_and_lose_no_stored_ru
     given = replace(rollers, sets=sets)
     assert static_part(given) == static_part(rollers)
     assert roller_kinds_with_largest_load(given) == roller_kinds_with_largest_load(rollers), "3D runs of single rollers"
-    one = rollbench.solve(given, "lin").solved[0].derived_results.set_results[0].load_results
+    one = next(iter(rollbench.solve(given, "lin").sets.values()))
     ratio = maker.dynamic / one.ratings.dynamic
-    assert one.life.by_maker == pytest.approx(one.life.revolutions * ratio ** (10 / 3))
-    assert one.reference.by_maker == pytest.approx(one.reference.revolutions * ratio**4)
+    assert one.life.by_maker == pytest.approx(one.life.L10 * ratio ** (10 / 3))
+    assert one.reference_life.by_maker == pytest.approx(one.reference_life.revolutions * ratio**4)
 
 
 #: f_c of ISO 281, Table 2, by gamma.

@@ -55,8 +55,10 @@ def test_equal_loads_give_the_cube_of_rating_over_load() -> None:
     screw = catalogue.scene("unseen-40x10")
     found = basic_rating_life(screw, loads(screw, 250.0))
     axial = 250.0 * screw.ball_count * rigidity.approach_per_displacement(screw)
-    assert (found.revolutions, found.equivalent) == pytest.approx(((dynamic_rating(screw) / axial) ** 3, axial), rel=1e-12)
-    assert found.hours(2 * pi) == pytest.approx(1e6 * found.revolutions / 3600.0)
+    assert (found.revolutions, found.equivalent_load) == pytest.approx(
+        ((dynamic_rating(screw) / axial) ** 3, axial), rel=1e-12
+    )
+    assert replace(found, speed=2 * pi).hours == pytest.approx(1e6 * found.revolutions / 3600.0)
 
 
 def test_the_rating_of_a_screw_by_the_formulas_of_ISO_3408_5_in_their_own_form() -> None:
@@ -90,7 +92,7 @@ def test_static_safety_at_the_rated_pressure_is_one_and_the_dent_about_a_ten_tho
     worst = contacts.contact_of_highest_pressure(scene, drawn(scene), load, np.where(load > 0.0, 0.0, np.nan))
     assert worst.side == "SL"
     assert worst.pressure == pytest.approx(1.5 * force / (pi * worst.a * worst.b))
-    safety = contacts.static_safety(scene, drawn(scene), worst)
+    safety = worst.static_safety
     assert safety.factor == pytest.approx(1.0)
     assert safety.permanent_indentation == pytest.approx(1e-4, rel=0.5)
     across, along = 1e-3 * nominal_curvatures(scene)[0]
@@ -106,12 +108,12 @@ def test_the_worst_contact_is_that_of_the_ball_that_is_there(hertz: str) -> None
     scene = replace(scene, **wide, ingredients=replace(scene.ingredients, hertz=hertz))
     load = np.array([[290.4, 0.0, 0.0, 0.0], [0.0] * 4])
     found = results_of_contact_loads(scene, load, np.full((2, 4), pi / 4))
-    values = 1e-6 * found.worst_contact.pressure, 1e3 * found.worst_contact.a, 1e6 * found.worst_contact.approach
+    values = 1e-6 * found.worst.pressure, 1e3 * found.worst.a, 1e6 * found.worst.approach
     assert values == pytest.approx((3038.5, 0.2831, 8.775), rel=2e-4)
     larger = replace(scene, balls=replace(scene.balls, radius=4.005e-3), errors=Errors())
     same = results_of_contact_loads(larger, load, np.full((2, 4), pi / 4))
     by_error, by_size = (
-        (x.safety.factor, x.safety.permanent_indentation, x.truncation.half_width_angle) for x in (found, same)
+        (x.worst.safety, x.worst.static_safety.permanent_indentation, x.truncation.half_width_angle) for x in (found, same)
     )
     assert by_error == pytest.approx(by_size, rel=1e-4)
 
@@ -122,7 +124,7 @@ def test_the_worst_contact_of_a_wider_groove_has_the_wider_groove_s_pressure() -
     wider = replace(scene, screw=replace(scene.screw, groove_radius=scene.screw.groove_radius + 20e-6))
     load = loads(scene, 100.0) * [1.0, 0.0, 0.0, 0.0]
     found = (results_of_contact_loads(s, load, np.full((4, 4), 0.7)) for s in (scene, wide, wider))
-    before, by_error, by_key = (x.worst_contact.pressure for x in found)
+    before, by_error, by_key = (x.worst.pressure for x in found)
     assert by_error == pytest.approx(by_key, rel=1e-4)
     assert by_key > 1.002 * before
 
@@ -179,7 +181,9 @@ def test_a_bearing_of_62_deg_is_rated_as_a_thrust_bearing_and_one_of_45_deg_is_n
     assert steep == pytest.approx(np.full(4, 0.9 / 0.95 * (1 - sin(a) / 3) * cos(a) ** -0.3), rel=1e-12)
 
     found, axial = basic_rating_life(scene, loads(scene, 500.0)), 9 * 500.0 * sin(a)
-    assert (found.revolutions, found.equivalent) == pytest.approx(((dynamic_rating(scene) / axial) ** 3, axial), rel=1e-12)
+    assert (found.revolutions, found.equivalent_load) == pytest.approx(
+        ((dynamic_rating(scene) / axial) ** 3, axial), rel=1e-12
+    )
     rings = [ring(0.1, angle=np.radians(x)) for x in (40.0, 45.0, 46.0)]
     assert [contacts.dynamic_and_static_ratings(x).is_axial for x in rings] == [False, False, True]
 

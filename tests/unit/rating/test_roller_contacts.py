@@ -8,12 +8,11 @@ from tests.axes import ROLLERS, assembly, fixed_axis, solved
 from tests.helpers import ALL_BUT_AXIAL
 from tests.shipped_texts import changed
 
-from rollbench.compare.models.load_cases import solve_shaft_with_results
 from rollbench.compare.models.registry import ModelOptions
-from rollbench.compare.results.rows import bearing_and_nut_rows, solution_rows
-from rollbench.compare.results.scene_json import axis_summary_json
+from rollbench.compare.results.rows import bearing_and_nut_rows
+from rollbench.compare.results.solved import solve_with_results
 from rollbench.lowfi.hertz import hertz_constants
-from rollbench.lowfi.rating.contacts import roller_contact_of_highest_pressure, roller_static_safety
+from rollbench.lowfi.rating.contacts import roller_contact_of_highest_pressure
 from rollbench.lowfi.rollers import half_widths_and_pressures_of_slices
 from rollbench.lowfi.statics.axis.system import tapered_bearing_of_row
 from rollbench.meshes.axis import RollingSet, Segment
@@ -69,14 +68,14 @@ def test_even_load_presses_hardest_at_the_small_end_of_the_cone():
     q = np.full((3, 15), 2e5)
     q[1] *= 1.5
     worst = roller_contact_of_highest_pressure(replace(ROLLERS, slices=15), q)
-    assert (worst.roller, worst.race) == (2, "inner")
+    assert (worst.element, worst.side) == (2, "inner")
     assert worst.force == pytest.approx(3e5 * ROLLERS.length)
     assert worst.position_along_roller == pytest.approx(-0.5 * ROLLERS.length * 14.0 / 15.0)
     reach = tapered_bearing_of_row(ROLLERS).apex_distance
     shorter = reach / (reach + worst.position_along_roller)
     assert worst.pressure / worst.uniform_load_pressure == pytest.approx(np.sqrt(shorter), rel=1e-12)
     assert worst.other_race_pressure < worst.pressure
-    assert roller_static_safety(worst).factor == pytest.approx((4e9 / worst.pressure) ** 2)
+    assert worst.safety == pytest.approx((4e9 / worst.pressure) ** 2)
     assert roller_contact_of_highest_pressure(ROLLERS, np.zeros((3, 7))) is None
 
 
@@ -155,15 +154,15 @@ def test_the_table_is_of_the_worst_set_and_that_of_sets_has_all():
     places = (("rollers +", 0.03, "+z", -20e-6), ("rollers -", 0.07, "-z", 20e-6))
     rows = [RollingSet(name, "tapered roller bearing", ROLLERS, z, offset=by, thrust=t) for name, z, t, by in places]
     axis = fixed_axis((0.0, 0.0, 600.0))
-    one = solve_shaft_with_results(replace(axis, sets=(*rows, *axis.sets[2:])), "lin", ModelOptions())
-    found = [x.load_results for x in one.derived_results.set_results]
-    shares = [x.worst_contact.pressure / (4.2e9 if i > 1 else 4.0e9) for i, x in enumerate(found)]
-    first = axis_summary_json(one)["worst_set"] - 1
+    one = solve_with_results(replace(axis, sets=(*rows, *axis.sets[2:])), "lin", ModelOptions())
+    found = [*one.sets.values()]
+    shares = [x.worst.pressure / (4.2e9 if i > 1 else 4.0e9) for i, x in enumerate(found)]
+    first = one.number_of_worst_set - 1
     assert shares[first] == max(shares)
-    answers, sets = {row.quantity: row.value for row in solution_rows(one)}, bearing_and_nut_rows(one)
-    assert answers["nut or bearing, worst contact"] == one.scene.sets[first].name
+    answers, sets = {row.quantity: row.value for row in one.rows()}, bearing_and_nut_rows(one.sets)
+    assert answers["nut or bearing, worst contact"] == one.described.sets[first].name
     assert answers["peak pressure"] == sets[first]["peak pressure MPa"]
-    assert [float(row["static safety"]) for row in sets] == pytest.approx([x.safety.factor for x in found], rel=1e-3)
+    assert [float(row["static safety"]) for row in sets] == pytest.approx([x.worst.safety for x in found], rel=1e-3)
 
 
 @pytest.mark.parametrize("angle", ["4e-12 deg", "0.4 deg"])

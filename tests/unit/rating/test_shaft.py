@@ -174,7 +174,7 @@ def test_modified_life_multiplies():
     assert iso_lives.modified_life(s, base) is None
     of = Operation(reliability=95.0, viscosity_ratio=1.5, contamination=0.6)
     found = iso_lives.modified_life(replace(s, operation=of), base)
-    clean = 0.6 * iso_lives.fatigue_load_limit(s) / base.equivalent
+    clean = 0.6 * iso_lives.fatigue_load_limit(s) / base.equivalent_load
     expected = life_factor_for_lubrication(1.5, clean, is_thrust_bearing=True)
     assert found.a_iso == pytest.approx(expected)
     assert found.revolutions == pytest.approx(iso_lives.reliability_factor(95.0) * expected * base.revolutions)

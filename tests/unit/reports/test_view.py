@@ -15,6 +15,7 @@ import rollbench
 from rollbench.compare.results.view import gap_reduction_by_errors
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.contacts import hertz_of_every_contact
+from rollbench.lowfi.statics.result import Status
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, FourierTerm, SideErrors
@@ -47,7 +48,7 @@ def test_a_title_cannot_leave_its_place():
 
 def test_without_loads_there_is_no_view(tmp_path):
     result = rollbench.solve("two-balls", "lin")
-    lost = replace(result, solved=(replace(result.solved[0], derived_results=None),))
+    lost = replace(result, solution=replace(result.solution, status=Status("not held")))
     with pytest.raises(ValueError, match="no loads to draw"):
         lost.view(tmp_path / "none.html")
     assert not (tmp_path / "none.html").exists()

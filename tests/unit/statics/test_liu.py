@@ -8,8 +8,8 @@ import pytest
 
 from rollbench.compare.cases.liu import evidence
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.answers import compute_scene_results
 from rollbench.compare.models.registry import MODELS, ModelOptions, run_model
+from rollbench.compare.results.solved import solve_with_results
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.statics.liu import nut_as_spring_row, solve_liu
 from rollbench.lowfi.statics.mei import nut_tensile_stiffness, solve_mei
@@ -92,13 +92,13 @@ def test_rigid_bodies_share_equally_at_the_turned_angle():
 def test_stiffness_is_the_tangent_or_over_the_step():
     s = scene("liu-drawn")
     s = replace(s, ingredients=replace(s.ingredients, load_step=600.0))
-    result = run_model(s, "liu", QUIET)
-    answers = compute_scene_results(s, result, "liu", QUIET)
+    answers = solve_with_results(s, "liu", QUIET)
+    result = answers.solution
     at = [solve_liu(pushed(s, force)).centreline[0, 2] for force in (4999.5, 5000.5, 5000.0, 5600.0)]
     shaft = abs(s.loads[0].at - result.z.min()) / screw_section(s).EA
-    assert 1.0 / answers.stiffness.load_point.tangent == pytest.approx((at[1] - at[0]) / 1.0, rel=1e-5)
-    assert 1.0 / answers.load_step_stiffness == pytest.approx((at[3] - at[2]) / 600.0 - shaft, rel=1e-4)
-    assert answers.load_step_stiffness > answers.stiffness.load_point.tangent
+    assert 1.0 / answers.load_point.tangent == pytest.approx((at[1] - at[0]) / 1.0, rel=1e-5)
+    assert 1.0 / answers.axial.stiffness_over_load_step == pytest.approx((at[3] - at[2]) / 600.0 - shaft, rel=1e-4)
+    assert answers.axial.stiffness_over_load_step > answers.load_point.tangent
 
 
 REFUSED = [

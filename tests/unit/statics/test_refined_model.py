@@ -8,13 +8,12 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.models import model_form, modelling
-from rollbench.compare.models.load_cases import SceneSolution
 from rollbench.compare.models.registry import DEFAULT, ModelOptions, run_model
 from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.quantities import record_as_json
 from rollbench.compare.reference.estimate import reference_of_scene
 from rollbench.compare.reference.store import load_stored_run, path_of_bodies, shipped_store
 from rollbench.compare.results.rows import expected_error_sentence
-from rollbench.compare.results.scene_json import solved_case_json
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import Scene
 
@@ -85,20 +84,20 @@ def test_what_is_expected_grows_where_errors_do_and_ends_where_nothing_was_compa
     scene = catalogue.scene("lin-case1")
     result = run_model(scene, "refined", QUIET)
 
-    def estimate(**nut: float) -> model_form.ExpectedModelErrors:
+    def estimate(**nut: float) -> model_form.ExpectedError:
         return model_form.estimate_model_error(replace(scene, nut=replace(scene.nut, **nut)), result)
 
     near, further, far = estimate(), estimate(length=0.045), estimate(outer_diameter=0.150)
-    assert 0.3 < near.percent < 4.0
-    assert near.rms_percent < near.percent
+    assert 0.3 < near.loads < 4.0
+    assert near.loads_rms < near.loads
     assert near.nearest in ("lin-case1", "lin-case2")
-    assert max(near.displacement_percent, near.pressure_percent) < 4.0
-    assert further.percent > 1.3 * near.percent, "balls close to the nut's faces"
-    assert (far.percent, far.rms_percent, far.displacement_percent) == (None, None, None)
+    assert max(near.displacement, near.pressure) < 4.0
+    assert further.loads > 1.3 * near.loads, "balls close to the nut's faces"
+    assert (far.loads, far.loads_rms, far.displacement) == (None, None, None)
     assert far.nearest
     assert any("wall of the nut" in w for w in far.words)
     nothing = model_form.estimate_model_error(scene, result, [])
-    assert (nothing.percent, nothing.compared) == (None, 0)
+    assert (nothing.loads, nothing.compared) == (None, 0)
 
 
 def test_no_errors_of_fifty_per_cent_are_promised() -> None:
@@ -133,16 +132,16 @@ def test_an_estimate_is_made_from_scenes_of_the_same_kind() -> None:
     points = model_form.model_errors_on_compared_scenes()
     rings = {p.scene for p in points if p.features["lead"] == 0.0}
     of_ring = model_form.estimate_model_error(ring, run_model(ring, "lin", QUIET))
-    assert of_ring.percent is None
+    assert of_ring.loads is None
     assert of_ring.compared == len(rings) < model_form.FEWEST
     result = run_model(scene, "lin", QUIET)
-    assert model_form.estimate_model_error(scene, result, [p for p in points if p.scene in rings]).percent is None
+    assert model_form.estimate_model_error(scene, result, [p for p in points if p.scene in rings]).loads is None
     never = [replace(scene, ingredients=replace(scene.ingredients, screw="rigid")), two]
     never += [replace(x, solid=replace(x.solid, nut="rigid")) for x in (scene, two)]
     for other in never:
         result = run_model(other, "lin", QUIET)
         form = model_form.estimate_model_error(other, result)
-        worth = solved_case_json(SceneSolution(other, result, None, form))["model_form"]
+        worth = record_as_json(form)
         said = [worth[name] for name in ("largest_percent_of_mean", "rms_percent_of_mean", "covered")]
         assert said == [None, None, False]
         assert "%" not in expected_error_sentence(form)

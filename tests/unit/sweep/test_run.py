@@ -16,9 +16,9 @@ from tests.processes import python
 
 from rollbench.compare.commands.sweep import solve_and_report_sweep
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.answers import compute_scene_results, compute_shaft_results
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.reference.jobs import ComputingSettings
+from rollbench.compare.results.solved import solve_shaft, solve_with_results
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.sweep import run as sweeping
 from rollbench.compare.studies.sweep import sample
@@ -173,10 +173,10 @@ def test_a_sweep_whose_first_samples_are_all_refused_for_one_reason_stops(tmp_pa
 
 def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_friction():
     found, (scene, result) = sample_of("lin-case3"), solution_of("lin-case3")
-    answers = compute_scene_results(scene, result, "lin", QUIET)
+    answers = solve_with_results(scene, "lin", QUIET).only
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.rigidities.with_unequal_loads, rel=1e-9)
     assert found["preload_N"] == pytest.approx(answers.preload.axial, rel=1e-9)
-    assert found["life_million_revolutions"] == pytest.approx(answers.load_results.life.revolutions, rel=1e-9)
+    assert found["life_million_revolutions"] == pytest.approx(answers.life.revolutions, rel=1e-9)
     state = friction_state(scene, result, scene.friction, Motion(tau))
     assert found["torque_Nmm"] == pytest.approx(1e3 * state.friction_sums.friction_torque, rel=1e-6)
     assert sample_of("two-balls")["torque_Nmm"] is None, "no coefficient in the scene"
@@ -185,11 +185,11 @@ def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_frict
 
 
 def test_several_sets_have_the_same_outputs():
-    found, (assembly, result) = sample_of("double-nut"), solution_of("double-nut")
-    answers = compute_shaft_results(assembly, result)
-    assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.stiffness.nut.secant, rel=1e-6)
-    assert found["preload_N"] == pytest.approx(max(abs(s.preload.axial) for s in answers.set_results), rel=1e-6)
-    shortest = min(s.load_results.life.revolutions for s in answers.set_results)
+    found, (assembly, _) = sample_of("double-nut"), solution_of("double-nut")
+    answers = solve_shaft(assembly, "lin")
+    assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.nut.secant, rel=1e-6)
+    assert found["preload_N"] == pytest.approx(max(abs(s.preload.axial) for s in answers.sets.values()), rel=1e-6)
+    shortest = min(s.life.revolutions for s in answers.sets.values())
     assert found["life_million_revolutions"] == pytest.approx(shortest, rel=1e-6)
     assert found["torque_Nmm"] > 0.0
     idle = sample_of("double-nut", ["idle_balls"])

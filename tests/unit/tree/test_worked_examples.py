@@ -66,8 +66,8 @@ def test_a_quantity_takes_its_field_and_its_value(tree, tmp_path):
         '    mean_pressure: float = quantity_field("mean_pressure_MPa", "its mean pressure, 2/3 of the highest", '
         'heading="mean pressure")\n'
     )
-    change(tree, "lowfi/rating/contacts.py", r"(class BallContact:(?:.|\n)*?)(\n\n@)", rf"\1{field}\2")
-    change(tree, "lowfi/rating/contacts.py", r"(return BallContact\(.*)\)\n", r"\1, highest / 1.5)\n")
+    change(tree, "lowfi/rating/contacts.py", r"(class BallContact:(?:.|\n)*?)(    #: Static safety)", rf"\1{field}\2")
+    change(tree, "lowfi/rating/contacts.py", r"(return BallContact\(.*)(, safety\))\n", r"\1, highest / 1.5\2\n")
     words = ("solve", "lin-case1", "--model", "lin")
     contact = found(rollbench(tree, *words, "--json", cwd=tmp_path))["summary"]["worst_contact"]
     assert contact["mean_pressure_MPa"] == pytest.approx(contact["pressure_MPa"] / 1.5, rel=1e-12)

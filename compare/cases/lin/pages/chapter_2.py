@@ -16,12 +16,10 @@ import numpy as np
 
 from rollbench.compare.cases.lin.evidence import chapter_2
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.load_cases import solve_scene_with_results
 from rollbench.compare.models.registry import DEFAULT, ModelOptions
 from rollbench.compare.models.study import SceneResultCache, with_conformity
 from rollbench.compare.printed import printed_entry, printed_value
-from rollbench.compare.results.scene_json import solved_case_json
-from rollbench.compare.results.view import collect_view_data
+from rollbench.compare.results.solved import solve_with_results
 from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel, lateral_displacement_curves
 from rollbench.compare.studies.members.ensemble import RandomDrawsResult, cached_random_draws_of_scene
 from rollbench.lowfi.as_source import solve_lin_equations_with_fallback
@@ -253,8 +251,8 @@ def loaded_screw_picture(scene: Scene, result: StaticResult, caption: str) -> Lo
     held = result.load > 0.0
     arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
     title = "Lin's case study 3, right end displaced: contact loads on the balls"
-    one = solve_scene_with_results(scene, result.model, ModelOptions(estimate_beam_mesh_error=False))
-    view = collect_view_data(title, [one], solved_case_json(one))
+    one = solve_with_results(scene, result.model, ModelOptions(estimate_beam_mesh_error=False))
+    view = replace(one.scene_view(), title=title)
     return LoadedScrew("loaded-screw", title, scene, result.load, *arrows, caption, view)
 
 
