@@ -8,7 +8,8 @@ import pytest
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.linear import bearing as linear_bearing
-from rollbench.lowfi.friction.linear.chain import LinearChainSolution, prepare_linear_chain, solve_linear_chain
+from rollbench.lowfi.friction.linear.chain import prepare_linear_chain
+from rollbench.lowfi.friction.screw.chain import ChainMotion, solve_motion_of_chain
 
 BEARING = source_cases.linear_pair_scene().bearing
 MU = (0.001, 0.1, 0.5)
@@ -19,24 +20,24 @@ def tilted(theta: float) -> np.ndarray:
     return BEARING.contact_angle + linear_bearing.contact_angle_deviations(np.radians([theta, theta]))
 
 
-def check(bearing, angles, loads, rng, motion: float = 1e-6) -> LinearChainSolution:
+def check(bearing, angles, loads, rng, motion: float = 1e-6) -> ChainMotion:
     """Converged, balanced in energy, and the same from a random start; forces relative to the friction bound.
 
     motion: agreement asked of the velocities over the carriage's.
     """
     chain = prepare_linear_chain(bearing, angles, loads)
     one, two = (
-        solve_linear_chain(chain),
-        solve_linear_chain(
+        solve_motion_of_chain(chain),
+        solve_motion_of_chain(
             chain, start=chain.groove.nominal_motion[0] * rng.uniform(-6.0, 6.0, (len(angles), 4)) / chain.groove.levers
         ),
     )
     case = bearing.mu, angles, loads
     for result in (one, two):
-        assert result.status == "converged", (case, result.largest_imbalance_ratio, result.largest_closing_speed_ratio)
-        assert abs(result.power - result.loss) <= 1e-8 * chain.largest_friction_bound * abs(bearing.speed), case
+        assert result.converged, (case, result.largest_unbalanced_force, result.largest_gap_violation)
+        assert abs(result.input_power - result.loss) <= 1e-8 * chain.largest_friction_bound * abs(bearing.speed), case
     np.testing.assert_allclose(two.ball_force, one.ball_force, atol=1e-6 * chain.largest_friction_bound, err_msg=str(case))
-    np.testing.assert_allclose(two.velocity, one.velocity, atol=motion * abs(bearing.speed), err_msg=str(case))
+    np.testing.assert_allclose(two.q[:, 0], one.q[:, 0], atol=motion * abs(bearing.speed), err_msg=str(case))
     return one
 
 
@@ -110,5 +111,5 @@ SPEEDS, CONFORMITIES = (0.0, 1e-12, -1e-12, 1e3), (0.505, 0.52, 0.6, 0.9)
 def test_any_speed_and_conformity(change: dict[str, float]) -> None:
     loads, bearing = linear_bearing.loads_equal_on_diagonals(100.0, np.array([-0.6, 0.6])), replace(BEARING, **change)
     result = check(bearing, tilted(2.0), loads, np.random.default_rng(4))
-    assert np.isfinite(result.velocity).all()
+    assert np.isfinite(result.q[:, 0]).all()
     assert (result.ball_force[0] > 1.0) == (bearing.speed > 0.0)

@@ -343,17 +343,18 @@ def solve_linear_group(
     for case in cases:
         tally.cases += 1
         c = case.to_linear_chain()
-        first = linear_chain.solve_linear_chain(c).ball_force
+        first = solve_motion_of_chain(c).ball_force
         for k in range(random_starts + 1):
-            start = None if k == 0 else c.groove.nominal_motion * rng.uniform(-3.0, 3.0, (len(c.force), 4))
-            r = linear_chain.solve_linear_chain(c, start)
+            q = c.groove.nominal_motion * rng.uniform(-3.0, 3.0, (len(c.force), 4)) if k else None
+            start = None if q is None else (q, np.zeros(len(q)))
+            r = solve_motion_of_chain(c, start)
             apart = float(np.max(np.abs(r.ball_force - first))) / (c.largest_friction_bound or 1.0)
-            tally.count_own_solution(r.status == "converged", r.power, r.loss, apart)
+            tally.count_own_solution(r.converged, r.input_power, r.loss, apart)
         if len(c.force) > most_balls_by_lin_method:
             continue
         starts = case.bearing, case.contact_angles, case.loads, rng, random_starts, FAR_START
         for found in linear_solutions_from_starts(*starts):
-            tally.count_solution_by_lin_method(found, first, c.largest_friction_bound)
+            tally.count_solution_by_lin_method(found, first[:-1], c.largest_friction_bound)
     return tally.to_group_result(group, model, note)
 
 
@@ -567,14 +568,17 @@ def extreme_linear_pair_rows() -> list[Row]:
         solved, energy, spread, residual = 0, 0.0, 0.0, 0.0
         for c in chains:
             nominal = c.groove.nominal_motion
-            starts = [None, *(nominal * rng.uniform(-3.0, 3.0, (len(c.force), 4)) for _ in range(2))]
-            found = [linear_chain.solve_linear_chain(c, start) for start in starts]
-            solved += sum(r.status == "converged" for r in found)
-            energy = max(energy, *(abs(r.power / r.loss - 1.0) for r in found))
+            none = np.zeros(len(c.force))
+            starts = [None, *((nominal * rng.uniform(-3.0, 3.0, (len(c.force), 4)), none) for _ in range(2))]
+            found = [solve_motion_of_chain(c, start) for start in starts]
+            solved += sum(r.converged for r in found)
+            energy = max(energy, *(abs(r.input_power / r.loss - 1.0) for r in found))
             spread = max(
                 spread, *(float(abs(r.ball_force[0] - found[0].ball_force[0])) / c.largest_friction_bound for r in found)
             )
-            residual = max(residual, *(max(r.largest_imbalance_ratio, r.largest_closing_speed_ratio) for r in found))
+            unbalanced = max(r.largest_unbalanced_force for r in found) / (c.largest_friction_bound or 1.0)
+            closing = max(r.largest_gap_violation for r in found) / c.groove.speed_along_path
+            residual = max(residual, unbalanced, closing)
         found_of_all = f"{solved} of {3 * len(chains)}"
         rows.append(
             {

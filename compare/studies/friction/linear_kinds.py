@@ -13,6 +13,7 @@ from rollbench.compare.studies.friction import answer
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.linear import bearing
 from rollbench.lowfi.friction.linear import chain as linear_chain
+from rollbench.lowfi.friction.screw.chain import ChainMotion, solve_motion_of_chain
 from rollbench.lowfi.statics.validity import contact_size_warnings
 from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
@@ -60,11 +61,7 @@ def linear_bearing_loads(scene: LinearBearingScene) -> tuple[Array, Array, float
 
 
 def json_rows_of_linear_balls(
-    scene: LinearBearingScene,
-    angles: Array,
-    force: Array,
-    apart: linear_chain.LinearChainSolution,
-    touching: linear_chain.LinearChainSolution,
+    scene: LinearBearingScene, angles: Array, force: Array, apart: ChainMotion, touching: ChainMotion
 ) -> list[dict[str, Any]]:
     """Return one JSON row per ball of a linear bearing: contact loads, speed, rotation and friction loss.
 
@@ -77,18 +74,16 @@ def json_rows_of_linear_balls(
         row: dict[str, Any] = {"index": k + 1, "side_force_ratio": json_number(scene.side[k])}
         row |= answer.ball_loads_json(bearing.CONTACTS, force[k], angles[k])
         for name, r in (("apart", apart), ("touching", touching)):
-            row[f"velocity_{name}_mm_s"] = json_number(1e3 * r.velocity[k])
-            moving = scene.bearing.speed != 0.0
-            row[f"deviation_{name}_percent"] = json_number(100.0 * r.velocity_deviation[k]) if moving else None
-        row["rotation_rad_s"] = [*(json_number(w) for w in touching.rotation[k]), 0.0]
+            row[f"velocity_{name}_mm_s"] = json_number(1e3 * r.q[k, 0])
+            deviation = linear_chain.velocity_deviations(scene.bearing, r)[k] if scene.bearing.speed != 0.0 else None
+            row[f"deviation_{name}_percent"] = None if deviation is None else json_number(100.0 * deviation)
+        row["rotation_rad_s"] = [*(json_number(w) for w in touching.q[k, [3, 1]]), 0.0]
         row["groove_loss_mW"] = json_number(1e3 * touching.groove_loss[k].sum())
         rows.append(row)
     return rows
 
 
-def json_rows_of_neighbouring_balls(
-    scene: LinearBearingScene, touching: linear_chain.LinearChainSolution
-) -> list[dict[str, Any]]:
+def json_rows_of_neighbouring_balls(scene: LinearBearingScene, touching: ChainMotion) -> list[dict[str, Any]]:
     """Return a JSON row for each pair of neighbouring balls: their gap, and force and friction loss in their contact.
 
     ``touching``: solution with balls that touch.
@@ -110,32 +105,33 @@ def solve_friction_of_linear_bearing(scene: LinearBearingScene) -> answer.Fricti
     chains = [
         linear_chain.prepare_linear_chain(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)
     ]
-    apart, near = (linear_chain.solve_linear_chain(chain) for chain in chains)
-    second = linear_chain.find_second_equilibrium(chains[1], near) if near.status == "converged" else None
+    apart, near = (solve_motion_of_chain(chain) for chain in chains)
+    second = linear_chain.find_second_equilibrium(chains[1], near) if near.converged else None
     loads_good = scene.distribution == "diagonal" or left <= BALANCED
-    converged = loads_good and all(r.status == "converged" for r in (apart, near))
+    converged = loads_good and apart.converged and near.converged
     balls = json_rows_of_linear_balls(scene, angles, force, apart, near)
     pairs = json_rows_of_neighbouring_balls(scene, near)
     bound = scene.bearing.mu * float(force.sum()) * abs(scene.bearing.speed)
     ball_loss = float(near.ball_loss.sum())
     semi = np.asarray(scene.bearing.contact_hertz_constants().C_a * np.cbrt(force))
-    status = near.status if loads_good else "no balance of the loads found"
+    motion_status = "converged" if near.converged else "not converged"
+    status = motion_status if loads_good else "no balance of the loads found"
     data = answer.json_entries_of_all_kinds(scene, status, converged) | {
         "law": "coulomb",
         "distribution": scene.distribution,
         "coupled": False,
         "balls": balls,
         "pairs": pairs,
-        "drive_N": json_number(near.carriage_drive_force),
-        "drive_apart_N": json_number(apart.carriage_drive_force),
+        "drive_N": json_number(linear_chain.carriage_drive_force(near.wrench)),
+        "drive_apart_N": json_number(linear_chain.carriage_drive_force(apart.wrench)),
         "second_state": None if second is None else jammed_equilibrium_as_json(near, second),
         "second_state_words": sentence_on_jammed_equilibrium(chains[1], second),
-        **answer.ball_to_ball_contact_effect_json(near.power, near.loss, apart.loss, ball_loss, bound),
+        **answer.ball_to_ball_contact_effect_json(near.input_power, near.loss, apart.loss, ball_loss, bound),
         "solver": {
             "load_imbalance": json_number(left),
-            "residual": json_number(near.largest_imbalance_ratio),
-            "lag": json_number(near.largest_closing_speed_ratio),
-            "iterations": near.iterations,
+            "residual": json_number(near.largest_unbalanced_force / (chains[1].largest_friction_bound or 1.0)),
+            "lag": json_number(near.largest_gap_violation / (abs(scene.bearing.speed) or 1.0)),
+            "iterations": near.steps,
         },
         "warnings": [*contact_size_warnings(semi, scene.bearing.ball_radius), *jammed_state_warnings(near, second)],
     }
@@ -146,9 +142,7 @@ def solve_friction_of_linear_bearing(scene: LinearBearingScene) -> answer.Fricti
     return answer.FrictionAnswer(data, [t for t in tables if t[2]], lines_on_linear_bearing(data), converged)
 
 
-def jammed_equilibrium_as_json(
-    touching: linear_chain.LinearChainSolution, jammed: linear_chain.LinearChainSolution
-) -> dict[str, Any]:
+def jammed_equilibrium_as_json(touching: ChainMotion, jammed: ChainMotion) -> dict[str, Any]:
     """Return the second equilibrium of a row of touching balls, in which friction jams them, as JSON.
 
     The JSON values are the force that drives the carriage, and those forces between neighbouring balls that differ from
@@ -157,12 +151,10 @@ def jammed_equilibrium_as_json(
     apart = np.abs(jammed.ball_force - touching.ball_force)
     other = np.flatnonzero(apart > linear_chain.ANOTHER * apart.max())
     pairs = [{"balls": f"{k + 1}-{k + 2}", "force_N": json_number(jammed.ball_force[k])} for k in other]
-    return {"drive_N": json_number(jammed.carriage_drive_force), "pairs": pairs}
+    return {"drive_N": json_number(linear_chain.carriage_drive_force(jammed.wrench)), "pairs": pairs}
 
 
-def sentence_on_jammed_equilibrium(
-    chain: linear_chain.LinearBallChain, jammed: linear_chain.LinearChainSolution | None
-) -> str:
+def sentence_on_jammed_equilibrium(chain: linear_chain.LinearBallChain, jammed: ChainMotion | None) -> str:
     """Return a sentence on whether a second equilibrium was found, in which friction jams the row of balls.
 
     ``chain``: the touching balls; ``jammed``: their second equilibrium, None if none was found.
@@ -174,16 +166,11 @@ def sentence_on_jammed_equilibrium(
             "no second, jammed state was found, from three starts and from states with more friction between balls, "
             f"{' and '.join(f'{mu:g}' for mu in linear_chain.RISEN)}: a search, no proof"
         )
-    force = float(jammed.ball_force.max())
-    return (
-        f"there is a second, jammed state: up to {force:.3g} N between balls, {jammed.carriage_drive_force:.3g} N drive "
-        "the carriage"
-    )
+    force, drive = float(jammed.ball_force.max()), linear_chain.carriage_drive_force(jammed.wrench)
+    return f"there is a second, jammed state: up to {force:.3g} N between balls, {drive:.3g} N drive the carriage"
 
 
-def jammed_state_warnings(
-    touching: linear_chain.LinearChainSolution, jammed: linear_chain.LinearChainSolution | None
-) -> list[ResultWarning]:
+def jammed_state_warnings(touching: ChainMotion, jammed: ChainMotion | None) -> list[ResultWarning]:
     """Return a warning if the balls have a second equilibrium, in which friction jams them; the list is empty otherwise.
 
     ``touching``: first equilibrium of the touching balls; ``jammed``: the second one, None if none was found.
@@ -191,11 +178,12 @@ def jammed_state_warnings(
     if jammed is None:
         return []
     most, base = jammed.ball_force.max(), touching.ball_force.max()
+    jams, rolls = (linear_chain.carriage_drive_force(motion.wrench) for motion in (jammed, touching))
     brief = "friction between balls allows a second state"
     text = (
         f"{brief}: they press on each other by up to {most:.4g} N instead of "
-        f"{base:.4g} N, and the carriage needs {jammed.carriage_drive_force:.6g} N instead of "
-        f"{touching.carriage_drive_force:.6g} N; which state occurs depends on the motion before"
+        f"{base:.4g} N, and the carriage needs {jams:.6g} N instead of "
+        f"{rolls:.6g} N; which state occurs depends on the motion before"
     )
     return [ResultWarning("jam", text, brief)]
 

@@ -35,7 +35,8 @@ from rollbench.hifi.rolling.balls import NEARLY_RIGID, RollingSettings, compute_
 from rollbench.hifi.rolling.friction import PATH
 from rollbench.hifi.rolling.kinematics import RollingBalls
 from rollbench.lowfi.friction.bearing import SIDES, solve_ball_of_bearing
-from rollbench.lowfi.friction.linear.chain import prepare_linear_chain, solve_linear_chain
+from rollbench.lowfi.friction.linear.chain import carriage_drive_force, prepare_linear_chain, velocity_deviations
+from rollbench.lowfi.friction.screw.chain import solve_motion_of_chain
 from rollbench.lowfi.friction.screw.run import solve_pair_of_screw_balls
 
 
@@ -63,13 +64,14 @@ def _linear_bearing_values(scene: LinearBearingScene) -> tuple[dict[str, float],
     """
     angles, force, _ = linear_bearing_loads(scene)
     chains = (prepare_linear_chain(scene.bearing, angles, force, touch) for touch in (False, scene.gap <= 0.0))
-    apart, near = (solve_linear_chain(chain) for chain in chains)
-    out = {f"force {k + 1}-{k + 2} N": float(f) for k, f in enumerate(near.ball_force)}
-    out |= {f"deviation {k + 1} apart %": 100.0 * float(v) for k, v in enumerate(apart.velocity_deviation)}
+    apart, near = (solve_motion_of_chain(chain) for chain in chains)
+    out = {f"force {k + 1}-{k + 2} N": float(f) for k, f in enumerate(near.ball_force[:-1])}
+    deviations = velocity_deviations(scene.bearing, apart)
+    out |= {f"deviation {k + 1} apart %": 100.0 * float(v) for k, v in enumerate(deviations)}
     out |= {"loss apart mW": 1e3 * apart.loss, "loss touching mW": 1e3 * near.loss}
-    out |= {"drive apart N": apart.carriage_drive_force, "drive touching N": near.carriage_drive_force}
+    out |= {"drive apart N": carriage_drive_force(apart.wrench), "drive touching N": carriage_drive_force(near.wrench)}
     out["increase %"] = 100.0 * (near.loss / apart.loss - 1.0)
-    return out, next((r.status for r in (apart, near) if r.status != "converged"), "converged")
+    return out, "converged" if apart.converged and near.converged else "not converged"
 
 
 def _screw_pair_values(scene: ScrewPairScene) -> tuple[dict[str, float], str]:

@@ -33,7 +33,7 @@ from rollbench.lowfi.friction.as_source import chain as lin
 from rollbench.lowfi.friction.contact.equilibrium import HYBRID, ContactLoadSolution
 from rollbench.lowfi.friction.contact.laws import FrictionLaw, SigmoidLaw
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
-from rollbench.lowfi.friction.linear.chain import prepare_linear_chain, solve_linear_chain
+from rollbench.lowfi.friction.linear.chain import prepare_linear_chain
 from rollbench.lowfi.friction.screw import motion as screw_motion
 from rollbench.lowfi.friction.screw.chain import ChainMotion, ScrewBallChain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove
@@ -572,16 +572,16 @@ def linear_solutions_from_starts(
         (`randomly_perturbed_motions`).
     """
     apart, together = (
-        solve_linear_chain(prepare_linear_chain(bearing, angles, loads, touching)) for touching in (False, True)
+        solve_motion_of_chain(prepare_linear_chain(bearing, angles, loads, touching)) for touching in (False, True)
     )
     balls = lin.balls_of_linear_bearing(bearing, angles, loads)
     law = lin.linear_bearing_friction_law(bearing, lin.SHARPNESS) if bearing.speed else SigmoidLaw(lin.SHARPNESS, 1.0)
     reach, units = np.ones(balls.count - 1, dtype=bool), balls.ball_to_ball_contact.surface_speed_per_unit
-    motions = [np.column_stack([r.velocity, r.rotation]) for r in (apart, together)]
+    motions = [r.q[:, [0, 3, 1]] for r in (apart, together)]
     yield lin.solve_motions_of_balls_by_root(balls, law, reach)
     for _ in range(count):
         free, near = (randomly_perturbed_motions(q, units, rng, largest_deviation) for q in motions)
-        force = together.ball_force * rng.uniform(0.0, 2.0, together.ball_force.size)
+        force = together.ball_force[:-1] * rng.uniform(0.0, 2.0, balls.count - 1)
         yield lin.solve_motions_of_balls_by_root(balls, law, reach, free, (near, force))
 
 

@@ -23,7 +23,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,9 +40,6 @@ from rollbench.lowfi.friction.screw.chain import (
 )
 from rollbench.lowfi.friction.screw.groove import TouchingBallsGeometry, TrackInMotion, contact_axes
 from rollbench.meshes.arrays import Array, Mask
-
-#: Outcome of the search for the motion of a row of balls, see `LinearChainSolution.status`.
-Status = Literal["converged", "not converged"]
 
 #: Least difference of the ball-to-ball forces by which two equilibria of a row count as different, divided by the largest
 #: friction bound of a ball.
@@ -159,102 +156,21 @@ def carriage_drive_force(wrench: Array) -> float:
     return float((wrench[..., 1] * linear_bearing.MOVING).sum())
 
 
-@dataclass(frozen=True)
-class LinearChainSolution:
-    """Motion, forces and losses of a row of N balls in a linear bearing, in its terms."""
-
-    #: Bearing with the speed of its carriage.
-    bearing: LinearBearing
-    #: Motion of the balls.
-    motion: ChainMotion
-    #: Largest friction bound of a ball [N].
-    force_unit: float
-
-    @property
-    def velocity(self) -> Array:
-        """Velocities of the balls along the track ``(N,)`` [m/s]."""
-        return self.motion.q[:, 0]
-
-    @property
-    def rotation(self) -> Array:
-        """Angular velocities omega_x, omega_y of the balls about the two axes across the track ``(N, 2)`` [rad/s]."""
-        return self.motion.q[:, [3, 1]]
-
-    @property
-    def sliding(self) -> Array:
-        """Sliding speed along the track at the contacts with the grooves ``(N, 4)`` [m/s]."""
-        return self.motion.contact_motions[..., 1]
-
-    @property
-    def spin(self) -> Array:
-        """Spin about the normal out of the ball at the contacts with the grooves ``(N, 4)`` [rad/s]."""
-        return -self.motion.contact_motions[..., 2]
-
-    @property
-    def friction(self) -> Array:
-        """Friction force on the ball along the track at each contact ``(N, 4)`` [N]."""
-        return self.motion.contact_friction[..., 1]
-
-    @property
-    def groove_loss(self) -> Array:
-        """Friction loss at the contacts with the grooves ``(N, 4)`` [W]."""
-        return self.motion.groove_loss
-
-    @property
-    def ball_force(self) -> Array:
-        """Force between balls k and k + 1 ``(N-1,)`` [N]."""
-        return self.motion.ball_force[:-1]
-
-    @property
-    def ball_loss(self) -> Array:
-        """Friction loss between balls k and k + 1 ``(N-1,)`` [W]."""
-        return self.motion.ball_loss[:-1]
-
-    @property
-    def carriage_drive_force(self) -> float:
-        """Force on the carriage along the track that keeps its speed [N]."""
-        return carriage_drive_force(self.motion.wrench)
-
-    @property
-    def iterations(self) -> int:
-        """Number of Newton steps of the search."""
-        return self.motion.steps
-
-    @property
-    def largest_imbalance_ratio(self) -> float:
-        """Largest unbalanced force on a ball, divided by the largest friction bound of a ball."""
-        return self.motion.largest_unbalanced_force / (self.force_unit or 1.0)
-
-    @property
-    def largest_closing_speed_ratio(self) -> float:
-        """Largest speed at which balls that touch approach each other, divided by the carriage's speed; ideally 0."""
-        return self.motion.largest_gap_violation / (abs(self.bearing.speed) or 1.0)
-
-    @property
-    def status(self) -> Status:
-        """Whether forces are in balance, and balls that press on each other stay together."""
-        return "converged" if self.motion.converged else "not converged"
-
-    @property
-    def velocity_deviation(self) -> Array:
-        """Deviation of each ball's velocity from half the carriage's, divided by that half (Lin 3.42) ``(N,)``."""
-        return np.asarray(2.0 * self.velocity / self.bearing.speed - 1.0)
-
-    @property
-    def loss(self) -> float:
-        """Power lost by friction of the balls, with grooves and with each other [W]."""
-        return float(self.groove_loss.sum() + self.ball_loss.sum())
-
-    @property
-    def power(self) -> float:
-        """Input power [W]: force that drives the carriage times its speed."""
-        return self.motion.input_power
+def velocity_deviations(bearing: LinearBearing, motion: ChainMotion) -> Array:
+    """Return the deviation of each ball's velocity from half the carriage's, divided by that half (Lin 3.42) ``(N,)``."""
+    return np.asarray(2.0 * motion.q[:, 0] / bearing.speed - 1.0)
 
 
 def prepare_linear_chain(
     bearing: LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True
 ) -> LinearBallChain:
-    """Return a row of N balls in a linear bearing under given contact loads.
+    """Return a row of N balls in a linear bearing under given contact loads; `solve_motion_of_chain` solves it.
+
+    A first ball motion is a velocity along the track [m/s]; the three others are angular velocities [rad/s], about x3,
+    y3, z3. For a carriage at rest, or a row without load, motion and friction forces are returned as zero, although any
+    friction force below its bound would be in balance. A ball with less than three loaded contacts can move in some
+    direction without resistance: its forces are determined, but this motion only roughly. Tested for 2 to 200 balls at
+    mu_balls 0 to 0.5, contacts without load included (Lin 3.25 to 3.31, with exact Coulomb friction in place of 3.20).
 
     Parameters
     ----------
@@ -292,38 +208,13 @@ def prepare_linear_chain(
     return LinearBallChain(StraightTrack(bearing), loads, normals, slack)
 
 
-def solve_linear_chain(chain: LinearBallChain, start: Array | None = None) -> LinearChainSolution:
-    """Return motion, forces and losses of a row of balls in a linear bearing.
-
-    For a carriage at rest, or a row without load, motion and friction forces are returned as zero, although any
-    friction force below its bound would be in balance. A ball with less than three loaded contacts can move in some
-    direction without resistance: its forces are determined, but this motion only roughly.
-
-    Parameters
-    ----------
-    chain
-        Chain of balls under given contact loads.
-    start
-        Motions ``(N, 4)`` from which the search for the motion without neighbours begins; they do not influence the
-        result. None to begin near rolling.
-
-    References
-    ----------
-    Lin (2019), 3.25 to 3.31, with exact Coulomb friction in place of the sigmoid 3.20. Tested for 2 to 200 balls at
-    mu_balls 0 to 0.5, contacts without load included.
-    """
-    s = BalanceSearch(chain)
-    found = s.solve_cold(None if start is None else start * s.units / s.speed)
-    return LinearChainSolution(chain.bearing, chain_motion_in_si_units(s, found), chain.largest_friction_bound)
-
-
 def may_have_several_equilibria(chain: LinearBallChain) -> bool:
     """Return whether a row of balls may have several equilibria: neighbours touch, and there is friction between them."""
     loaded = chain.force.any() and chain.bearing.speed != 0.0
     return bool(chain.mu_balls > 0.0 and chain.touching.any() and loaded)
 
 
-def find_second_equilibrium(chain: LinearBallChain, known: LinearChainSolution) -> LinearChainSolution | None:
+def find_second_equilibrium(chain: LinearBallChain, known: ChainMotion) -> ChainMotion | None:
     """Return an equilibrium of a row of balls other than a known one; None if none is found, though one may exist.
 
     The search begins from several states: the end of the path of solutions along which the friction between balls rises to
@@ -337,9 +228,8 @@ def find_second_equilibrium(chain: LinearBallChain, known: LinearChainSolution) 
     chain
         Chain of balls under given contact loads.
     known
-        Known state of the chain, as `solve_linear_chain` returns it.
+        Known state of the chain, as `solve_motion_of_chain` returns it.
     """
-    unit = chain.largest_friction_bound
 
     def with_friction(mu: float) -> LinearBallChain:
         """Return the chain with another coefficient of friction between balls."""
@@ -363,22 +253,21 @@ def find_second_equilibrium(chain: LinearBallChain, known: LinearChainSolution) 
 
     if not may_have_several_equilibria(chain):
         return None
-    good = (LinearChainSolution(chain.bearing, other, unit) for other in states_from_all_starts() if other.converged)
-    others = [s for s in good if np.abs(s.ball_force - known.ball_force).max() > ANOTHER * unit]
+    good = (other for other in states_from_all_starts() if other.converged)
+    others = [s for s in good if np.abs(s.ball_force - known.ball_force).max() > ANOTHER * chain.largest_friction_bound]
     return max(others, key=lambda other: float(other.ball_force.max()), default=None)
 
 
 @dataclass(frozen=True)
 class LinearPairSolution:
-    """Motion and forces of two balls in a linear bearing (Lin's case study), without and with contact between them.
-
-    The deviations epsilon of Lin's Table 3.4 are ``apart.velocity_deviation``.
-    """
+    """Motion and forces of two balls in a linear bearing (Lin's case study), without and with contact between them."""
 
     #: State of the two balls if they are too far apart to touch.
-    apart: LinearChainSolution
+    apart: ChainMotion
     #: State of the two balls at a distance of one ball diameter, where they press on each other or separate.
-    touching: LinearChainSolution
+    touching: ChainMotion
+    #: Deviations epsilon of Lin's Table 3.4, of the balls too far apart to touch ``(2,)``, see `velocity_deviations`.
+    velocity_deviation: Array
 
     @property
     def ball_to_ball_force(self) -> float:
@@ -388,7 +277,7 @@ class LinearPairSolution:
     @property
     def velocity_deviation_difference(self) -> float:
         """Relative velocity deviation of ball 1 less that of ball 2, without contact; if positive, the balls approach."""
-        return float(self.apart.velocity_deviation[0] - self.apart.velocity_deviation[1])
+        return float(self.velocity_deviation[0] - self.velocity_deviation[1])
 
     @property
     def friction_increase(self) -> float:
@@ -477,8 +366,10 @@ def solve_pair_of_linear_balls(
         the loads.
     """
     angles, force = pair_angles_and_loads(bearing, theta, side_force_ratio, vertical, mated=mated, loads=loads)
-    apart, together = (prepare_linear_chain(bearing, angles, force, touching) for touching in (False, True))
-    return LinearPairSolution(solve_linear_chain(apart), solve_linear_chain(together))
+    apart, together = (
+        solve_motion_of_chain(prepare_linear_chain(bearing, angles, force, touching)) for touching in (False, True)
+    )
+    return LinearPairSolution(apart, together, velocity_deviations(bearing, apart))
 
 
 class ModelAndFormula(NamedTuple):
@@ -548,7 +439,7 @@ def pair_results_over_grid(
     values, failures = np.empty((3, 2, len(theta), len(rho))), 0
     for i, j in np.ndindex(len(theta), len(rho)):
         result = solve_pair_of_linear_balls(bearing, float(theta[i]), float(rho[j]), vertical)
-        failures += sum(r.status != "converged" for r in (result.apart, result.touching))
+        failures += sum(not r.converged for r in (result.apart, result.touching))
         losses = result.groove_and_ball_loss_ratio
         values[:, 0, i, j] = result.velocity_deviation_difference, result.ball_to_ball_force, losses
         values[:, 1, i, j] = pair_results_by_formulas(bearing, float(theta[i]), float(rho[j]), vertical, k_f)

@@ -12,7 +12,8 @@ from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.lowfi.friction.as_source.chain import balls_of_linear_bearing
 from rollbench.lowfi.friction.contact.laws import dissipated_power
 from rollbench.lowfi.friction.linear.bearing import loads_of_elastic_contacts
-from rollbench.lowfi.friction.linear.chain import find_second_equilibrium, prepare_linear_chain, solve_linear_chain
+from rollbench.lowfi.friction.linear.chain import carriage_drive_force, find_second_equilibrium, prepare_linear_chain
+from rollbench.lowfi.friction.screw.chain import solve_motion_of_chain
 
 #: Two balls under opposite side forces: deviations [deg] of the contact angles BL, BR, TR, TL, and side force ratios.
 DEVIATIONS, SIDE = ((1.9, -0.8, -0.3, -1.2), (-0.3, 0.9, -3.0, -2.7)), (0.89, -0.89)
@@ -63,8 +64,8 @@ def test_jammed_state_is_found_where_friction_holds_what_makes_it_and_only_there
     """The pair jams where the closing rate, negative without force, comes back to zero at a force: from 0.035 on."""
     pair = two_balls(mu_balls)
     chain = prepare_linear_chain(*pair)
-    found = solve_linear_chain(chain)
-    assert found.status == "converged"
+    found = solve_motion_of_chain(chain)
+    assert found.converged
     assert found.ball_force[0] == 0.0
     assert closing(*pair, 0.0) < -1e-3
     other = find_second_equilibrium(chain, found)
@@ -72,8 +73,8 @@ def test_jammed_state_is_found_where_friction_holds_what_makes_it_and_only_there
     assert jams is (mu_balls > LIMIT)
     assert (other is not None) is jams
     if jams:
-        assert other.status == "converged"
-        assert other.carriage_drive_force > 1.2 * found.carriage_drive_force
+        assert other.converged
+        assert carriage_drive_force(other.wrench) > 1.2 * carriage_drive_force(found.wrench)
         force = other.ball_force[0]
         # just beyond the limit the rate is zero within the oracle's smoothing of friction
         if mu_balls >= 0.1:

@@ -12,6 +12,7 @@ from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.contact.laws import contacts_from_values, dissipated_power
 from rollbench.lowfi.friction.linear import bearing as linear_bearing
 from rollbench.lowfi.friction.linear import chain
+from rollbench.lowfi.friction.screw.chain import solve_motion_of_chain
 
 BEARING = source_cases.linear_pair_scene().bearing
 
@@ -93,7 +94,7 @@ def test_rubbing_speed_and_loss():
 def test_spin_loss_is_that_of_the_numerical_model_without_deviations():
     loads = linear_bearing.loads_equal_on_diagonals(100.0, np.array([0.2]))
     balls = chain.prepare_linear_chain(BEARING, np.full((1, 4), BEARING.contact_angle), loads)
-    numerical = chain.solve_linear_chain(balls)
+    numerical = solve_motion_of_chain(balls)
     assert linear_bearing.groove_spin_loss(BEARING, loads).sum() == pytest.approx(numerical.loss, rel=2e-3)
 
 

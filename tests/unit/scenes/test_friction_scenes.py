@@ -12,7 +12,8 @@ from rollbench.compare.studies.friction.kinds import solve_friction_of_single_pa
 from rollbench.lowfi.friction import bearing
 from rollbench.lowfi.friction.bearing import SIDES, Bearing, solve_ball_by_lin_method, solve_ball_of_bearing
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
-from rollbench.lowfi.friction.linear.chain import prepare_linear_chain, solve_linear_chain, solve_pair_of_linear_balls
+from rollbench.lowfi.friction.linear.chain import carriage_drive_force, prepare_linear_chain, solve_pair_of_linear_balls
+from rollbench.lowfi.friction.screw.chain import solve_motion_of_chain
 from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law
 from rollbench.lowfi.friction.screw.run import SHIFTED, solve_pair_of_screw_balls, summarise_screw_run
 from rollbench.lowfi.friction.screw.travel import simulate
@@ -66,9 +67,9 @@ def test_chain_scene_is_the_library_s_and_a_gap_cuts_it():
     np.testing.assert_allclose(np.degrees(scene.angles), [[43.0, 47.0, 45.0, 45.0]] * 10, rtol=1e-12)
     found = solve_friction_of_single_parts(scene).data
     loads = np.array([[b["load_N"][c] for c in ("BL", "BR", "TR", "TL")] for b in found["balls"]])
-    one = solve_linear_chain(prepare_linear_chain(LINEAR, scene.angles, loads))
-    assert [p["force_N"] for p in found["pairs"]] == pytest.approx(one.ball_force, rel=1e-8)
-    assert np.all(one.ball_force > 0.0)
+    one = solve_motion_of_chain(prepare_linear_chain(LINEAR, scene.angles, loads))
+    assert [p["force_N"] for p in found["pairs"]] == pytest.approx(one.ball_force[:-1], rel=1e-8)
+    assert np.all(one.ball_force[:-1] > 0.0)
     cut = solved("lin-chain-10", ("side_force_ratio = -0.6\n", 'side_force_ratio = -0.6\ngap = "0.5 mm"\n')).data
     assert cut["pairs"][0] == {"balls": "1-2", "gap_um": pytest.approx(500.0), "force_N": 0.0, "loss_mW": 0.0}
     assert cut["pairs"][1]["force_N"] > 0.0
@@ -118,9 +119,9 @@ def test_pair_scenes_are_the_library_s(mated, loads):
     found = solved("lin-pair-b" if mated else "lin-pair-a", ('"balanced"', f'"{loads}"')).data
     one = solve_pair_of_linear_balls(LINEAR, np.radians(2.0), -0.6, 100.0, mated=mated, loads=loads)
     numbers = found["pairs"][0]["force_N"], found["drive_N"]
-    assert numbers == pytest.approx((one.ball_to_ball_force, one.touching.carriage_drive_force), rel=1e-9, abs=1e-9)
+    assert numbers == pytest.approx((one.ball_to_ball_force, carriage_drive_force(one.touching.wrench)), rel=1e-9, abs=1e-9)
     apart = [b["deviation_apart_percent"] for b in found["balls"]]
-    assert apart == pytest.approx(100.0 * one.apart.velocity_deviation, rel=1e-8, abs=1e-9)
+    assert apart == pytest.approx(100.0 * one.velocity_deviation, rel=1e-8, abs=1e-9)
     if loads == "diagonal":
         assert found["solver"]["load_imbalance"] > 0.01, "the source's approximation does not balance; it is shown"
 

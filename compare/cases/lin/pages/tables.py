@@ -174,9 +174,7 @@ def table_3_4_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: A
     The cells contain velocity deviations [%] under the contact loads that section 3.3.4.1 of the thesis assumes, equal at
     both contacts of each diagonal. ``cache``: not used here.
     """
-    found = {
-        case: 100.0 * solve_linear_ball_pair(loads="diagonal", mated=case == "b").apart.velocity_deviation for case in "ab"
-    }
+    found = {case: 100.0 * solve_linear_ball_pair(loads="diagonal", mated=case == "b").velocity_deviation for case in "ab"}
     cells = {(case, k): float(value[k - 1]) for case, value in found.items() for k in (1, 2)}
     return {f"lin-3.4:{c}_eps{k}_numerical": {DIAGONAL: x if abs(x) > 1e-9 else 0.0} for (c, k), x in cells.items()}
 
