@@ -11,7 +11,7 @@ from rollbench.lowfi.friction.screw.groove import azimuth_between_touching_balls
 from rollbench.lowfi.friction.whole.circuit import balls_in_circuits
 from rollbench.lowfi.friction.whole.losses import ball_kinematics
 from rollbench.lowfi.friction.whole.run import SceneInMotion
-from rollbench.lowfi.statics.nominal import contact_loads_by_beam_model
+from rollbench.lowfi.statics.nominal import contact_loads
 from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.parts import BallErrors, Circulation, Errors, FourierTerm, SideErrors
 
@@ -21,7 +21,7 @@ WAVES = Errors(
 )
 
 
-def setting(scene, friction=MU, motion=TURN, solve=contact_loads_by_beam_model):
+def setting(scene, friction=MU, motion=TURN, solve=contact_loads):
     """A run of a scene with a rigid or beam screw."""
     scene = replace(scene, motion=motion)
     drawn = draw_errors(scene)

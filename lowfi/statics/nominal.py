@@ -14,12 +14,9 @@ from functools import lru_cache
 import numpy as np
 
 from rollbench.lowfi.compliance.bodies import WholeBody, compliance_between_contacts
-from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
+from rollbench.lowfi.compliance.parts import LADDER, ComplianceModel
 from rollbench.lowfi.statics import static
-from rollbench.lowfi.statics.equations import StaticInput
-from rollbench.lowfi.statics.problem import place_balls
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.lowfi.statics.selection import choose_flanks, flanks_of_scene
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
@@ -46,31 +43,14 @@ class ContactLoads:
         return self.status == "converged"
 
 
-def contact_loads_by_beam_model(scene: Scene, drawn: GeometryWithErrors, layout: BallLayout) -> ContactLoads:
-    """Return the contact loads of balls at given positions by Lin's model, with the screw as a beam in a rigid nut.
-
-    Parameters
-    ----------
-    scene
-        Screw, nut, balls, supports and loads.
-    drawn
-        Dimensions of the parts with their manufacturing errors.
-    layout
-        Positions of the balls.
-    """
-    placed = place_balls(scene, drawn)
-    use = choose_flanks(scene, drawn, placed)
-    return _contact_loads_of(StaticInput(scene, drawn, layout, use, placed=placed))
-
-
-def contact_loads_with_elastic_bodies(
+def contact_loads(
     scene: Scene,
     drawn: GeometryWithErrors,
     layout: BallLayout,
-    backend: ComplianceModel = REFINED,
+    backend: ComplianceModel = LADDER["lin"],
     whole: WholeBody = compliance_between_contacts,
 ) -> ContactLoads:
-    """Return the contact loads of balls at given positions with elastic screw, nut and balls.
+    """Return the contact loads of balls at given positions; without equilibrium forces and angles are nan.
 
     Parameters
     ----------
@@ -81,16 +61,11 @@ def contact_loads_with_elastic_bodies(
     layout
         Positions of the balls.
     backend
-        Method by which the compliance of screw, nut and balls is computed.
+        Method by which the compliance of screw, nut and balls is computed; by default they are rigid (Lin's model).
     whole
         Function that computes the compliance of one complete screw or nut between its contacts.
     """
-    use = flanks_of_scene(scene) if drawn.profile_coefficients.shape[1] else choose_flanks(scene, drawn)
-    return _contact_loads_of(StaticInput(scene, drawn, layout, use, backend=backend, compute_body_compliance=whole))
-
-
-def _contact_loads_of(problem_input: StaticInput) -> ContactLoads:
-    """Solve a problem and return its contact forces and angles, which are nan for a problem without equilibrium."""
+    problem_input = static.static_input(scene, drawn, layout, backend=backend, compute_body_compliance=whole)
     solved = static.solve_with_chosen_flanks(problem_input)
     if isinstance(solved, static.UnrestrainedProblem):
         C = solved.problem.C.copy()
@@ -137,7 +112,7 @@ def _count_loaded_contacts(scene: Scene) -> int:
     """Return the number of loaded contacts of a nominal scene, computed by the model lin; the results are cached."""
     layout = ball_layout(scene)
     try:
-        result = contact_loads_by_beam_model(scene, draw_geometry_with_errors(scene, layout), layout)
+        result = contact_loads(scene, draw_geometry_with_errors(scene, layout), layout)
     except ValueError:  # the solve of the scene itself reports impossible dimensions
         return 0
     return int(np.count_nonzero(result.load > 0.0)) if result.converged else 0

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -21,8 +21,8 @@ from rollbench.lowfi.statics.held import UnresistedMotions, find_unresisted_moti
 from rollbench.lowfi.statics.problem import Problem, place_balls
 from rollbench.lowfi.statics.result import StaticResult, Status
 from rollbench.lowfi.statics.summary import assemble_result, failed_result
-from rollbench.meshes.errors import draw_geometry_with_errors
-from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
+from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import FREEDOMS, Scene
 
 if TYPE_CHECKING:
@@ -109,6 +109,19 @@ def solve_with_chosen_flanks(problem_input: StaticInput) -> SolvedEquations | Un
             return SolvedEquations(system, outcome, problem_input, mechanism, notes, prepared_at)
         notes = (problem_input.note_on_touched_flanks() if good else UNSOLVED_WITHOUT_FLANKS,)
         problem_input = replace(problem_input, used_flanks=every)
+
+
+def static_input(scene: Scene, drawn: GeometryWithErrors, layout: BallLayout, **how: Any) -> StaticInput:
+    """Return the input of a static problem, without the flanks that the loads lift off the balls.
+
+    ``scene``: screw, nut, balls, supports and loads; ``drawn``: their dimensions with manufacturing errors; ``layout``:
+    positions of the balls; ``how``: other fields of `StaticInput`. All flanks are kept if the whole screw is modelled
+    (``everything``), and for non-circular flanks on elastic bodies: the check of left-out flanks knows circular ones only.
+    """
+    found = StaticInput(scene, drawn, layout, selection.flanks_of_scene(scene), placed=place_balls(scene, drawn), **how)
+    if found.everything or not (found.has_rigid_bodies or not drawn.profile_coefficients.shape[1]):
+        return found
+    return replace(found, used_flanks=selection.choose_flanks(scene, drawn, found.placed))
 
 
 def solve_static(
@@ -199,31 +212,10 @@ def solve_elastic(
     ValueError
         If a body has impossible dimensions, or (UnfitKey) if there are more than ``LARGEST`` balls.
     """
-    start = perf_counter()
-    layout = ball_layout(scene)
+    start, layout = perf_counter(), ball_layout(scene)
+    how: dict[str, Any] = {"condensed_bodies": condensed, "everything": everything, "refine": refine}
     drawn = draw_geometry_with_errors(scene, layout, member)
-    build = StaticInput(
-        scene, drawn, layout, selection.flanks_of_scene(scene), everything, refine, place_balls(scene, drawn)
-    )
-    build = replace(build, backend=backend, condensed_bodies=condensed)
-    # non-circular flanks on elastic bodies: the check of left-out flanks knows circular ones only
-    if not everything and (build.has_rigid_bodies or not drawn.profile_coefficients.shape[1]):
-        build = replace(build, used_flanks=selection.choose_flanks(scene, drawn, build.placed))
-    return solve_static_input(build, name, start)
-
-
-def solve_static_input(problem_input: StaticInput, name: str, start: float) -> StaticResult:
-    """Solve the static problem that an input describes, and return loads, motions and status.
-
-    Parameters
-    ----------
-    problem_input
-        Input of the problem; its class decides which bodies are elastic.
-    name
-        Name of the model in the result.
-    start
-        Time at which the computation began (`time.perf_counter`) [s].
-    """
+    problem_input = static_input(scene, drawn, layout, backend=backend, **how)
     solved = solve_with_chosen_flanks(problem_input)
     if isinstance(solved, UnrestrainedProblem):
         return failed_result(solved.problem, name, solved.status, perf_counter() - start)

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
+from rollbench.lowfi.compliance.parts import REFINED
 from rollbench.lowfi.friction.whole.run import WINDOW, TravellingCompliance
-from rollbench.lowfi.statics.nominal import contact_loads_with_elastic_bodies
+from rollbench.lowfi.statics.nominal import contact_loads
 from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.helix import ball_layout, ball_layout_at_positions, lead_per_radian
 
@@ -20,7 +21,7 @@ def loads_at(by, **how):
     azimuth, station = start.azimuth + by, start.z + lead_per_radian(track) * by
     layout, radius = ball_layout_at_positions(track, azimuth, station), np.full(start.z.size, SCENE.balls.radius)
     geometry = draw_errors(SCENE).geometry_at_balls(SCENE, azimuth, azimuth, station, radius)
-    found = contact_loads_with_elastic_bodies(SCENE, geometry, layout, **how)
+    found = contact_loads(SCENE, geometry, layout, REFINED, **how)
     assert found.converged
     return found.load
 

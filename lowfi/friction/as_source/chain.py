@@ -401,17 +401,3 @@ def linear_bearing_friction_law(bearing: LinearBearing, sharpness: float | None 
     if sharpness is None:
         return laws.CoulombLaw()
     return laws.SigmoidLaw(sharpness, 0.5 * abs(bearing.speed) * float(np.tan(bearing.contact_angle)) / bearing.ball_radius)
-
-
-def solve_linear_bearing_by_root(
-    bearing: LinearBearing, angles: Array, loads: Array, may_touch: Mask | bool = True, law: laws.FrictionLaw | None = None
-) -> BallMotionsByLin:
-    """Return the motion of balls in a linear bearing by Lin's method, equations 3.25 to 3.31 of his thesis.
-
-    ``bearing``: the bearing; ``angles`` [rad], ``loads`` [N]: contact angles and loads of N balls ``(N, 4)``;
-    ``may_touch``: whether each ball is near enough to the next one to touch it ``(N-1,)``, or one value for all; ``law``:
-    friction law; None: Coulomb's law, as equation 3.25 is printed.
-    """
-    balls = balls_of_linear_bearing(bearing, angles, loads)
-    near = np.broadcast_to(np.asarray(may_touch, dtype=bool), (balls.count - 1,))
-    return solve_motions_of_balls_by_root(balls, laws.CoulombLaw() if law is None else law, near)

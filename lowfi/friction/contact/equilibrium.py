@@ -277,18 +277,6 @@ def least_dissipations(problems: Sequence[BodyMotionProblem], start: Array | Non
     return out
 
 
-def motions_of_least_dissipation(shape: Array, maps: Array, drives: Array) -> Array:
-    """Return the motions of least dissipation ``(N, n)`` of N independent balls on which only friction acts.
-
-    ``shape``: semi-axes a, b [m] and friction bound mu F of the m contacts of each ball ``(N, m, 3)``; ``maps``: motion of
-    the contacts per unit of each of the n unknowns ``(N, m, 3, n)``; ``drives``: motion that the drive imposes ``(N, m,
-    3)``.
-    """
-    a, b, bound = np.moveaxis(shape, -1, 0)
-    none = np.zeros((len(maps), maps.shape[-1]))
-    return least_dissipation_of_bodies(FrictionalBodies(a, b, bound, maps, drives, none)).q
-
-
 def motion_without_friction_forces(motion: BodyMotion) -> BodyMotion:
     """Return the same motion of a body with friction forces and losses of zero.
 

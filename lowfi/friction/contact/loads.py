@@ -48,11 +48,6 @@ def one_group(cell: BallContactArrays) -> BallContactArrays:
     return BallContactArrays(*(np.asarray(values, dtype=float)[None] for values in cell))
 
 
-def state_of_balls(cell: BallContactArrays, ball: Array, inner: Array) -> GroupState:
-    """Return the state of one group, without the axis of the groups; displacements ``(N, 2)`` and ``(m,)`` [m]."""
-    return GroupState(*(values[0] for values in state_of_groups(one_group(cell), ball[None], inner[None])))
-
-
 def groups_at(groups: BallContactArrays, which: Index) -> BallContactArrays:
     """Return some of K groups, given by their numbers."""
     return BallContactArrays(*(values[which] for values in groups))

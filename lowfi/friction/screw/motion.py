@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 
 from rollbench.lowfi.friction.contact import equilibrium
-from rollbench.lowfi.friction.contact.laws import EllipticalContacts, FrictionLaw, SigmoidLaw, contacts_from_values
+from rollbench.lowfi.friction.contact.laws import EllipticalContacts, SigmoidLaw, contacts_from_values
 from rollbench.lowfi.friction.contact.normal_force import BallContactArrays
 from rollbench.lowfi.friction.screw import groove as screw_groove
 from rollbench.lowfi.statics.settle import contact_angles
@@ -293,17 +293,6 @@ def lin_sigmoid_law(groove: screw_groove.ScrewGroove, sharpness: float, map_spac
     """
     spin = abs(groove.speed) * float(np.cos(groove.lead_angle) * np.sin(groove.contact_angle))
     return SigmoidLaw(sharpness, spin, map_spacing)
-
-
-def solve_ball_motion_by_root(ball: BallMotion, law: FrictionLaw, start: Array | None = None) -> equilibrium.BodyMotion:
-    """Return the motion of a ball by Lin's method for comparison: a root of the balance of forces (Lin 3.69, 3.71).
-
-    ``ball``: the ball, of which contacts and kinematics are used; ``law``: friction law; ``start``: orbit omega_B and
-    spins omega_x, omega_y, omega_z from which the search begins ``(4,)`` [rad/s], None for rolling at the nominal
-    contact angle. From many starts near two-point contact the search fails (status "failed").
-    """
-    first = np.array([ball.groove.nominal_orbit, 0.0, 0.0, 0.0]) if start is None else start
-    return equilibrium.motion_by_root(ball.problem, law, first)
 
 
 def friction_on_balls_and_screw(

@@ -82,11 +82,6 @@ class ScrewPairSolution:
         return _ratio_or_nan(self.touching.motion.loss, self.apart.motion.loss) - 1.0
 
     @property
-    def ball_loss_over_groove_loss(self) -> float:
-        """Ratio of the loss between the touching balls to the loss of the two balls apart; nan without friction."""
-        return _ratio_or_nan(float(self.touching.motion.ball_loss.sum()), self.apart.motion.loss)
-
-    @property
     def approach_speed_when_apart(self) -> float:
         """Orbital speed omega_B of the first ball less that of the second, without ball-to-ball contact [rad/s].
 

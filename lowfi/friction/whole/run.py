@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rollbench.lowfi.compliance.bodies import compliance_between_contacts
-from rollbench.lowfi.compliance.parts import ComplianceModel
+from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.lowfi.friction.screw.travel import BallState, ClosedTrack, InstantSolution
 from rollbench.lowfi.friction.whole.circuit import BallsInCircuits, SceneGrooves, solve_motion_on_track
@@ -26,7 +26,7 @@ from rollbench.lowfi.friction.whole.feedback import (
 )
 from rollbench.lowfi.friction.whole.losses import BallsUnderLoad
 from rollbench.lowfi.friction.whole.torque import axial_forces_and_moments, friction_displaces_balls
-from rollbench.lowfi.statics.nominal import ContactLoads, contact_loads_by_beam_model, contact_loads_with_elastic_bodies
+from rollbench.lowfi.statics.nominal import ContactLoads, contact_loads
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array, Index, Mask
 from rollbench.meshes.errors import ErrorsAfterDrawing, GeometryWithErrors
@@ -127,8 +127,8 @@ def load_solver_for_travelling_balls(model: str, travel_sense: float) -> Callabl
         Sense in which the balls travel in the nut: 1.0 towards larger azimuths, -1.0 towards smaller ones.
     """
     if model == "lin":
-        return contact_loads_by_beam_model
-    return partial(contact_loads_with_elastic_bodies, whole=TravellingCompliance(WINDOW * travel_sense))
+        return contact_loads
+    return partial(contact_loads, backend=REFINED, whole=TravellingCompliance(WINDOW * travel_sense))
 
 
 #: Names of the static models with which contact loads can be computed at each instant of a simulation over time.

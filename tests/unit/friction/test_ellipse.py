@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad_vec
 from scipy.special import ellipe
-from tests.friction_oracles import pure_spin_moment
+from tests.friction_oracles import dissipated_power, motion_of_rotation_about_point, pure_spin_moment
 
 from rollbench.lowfi.friction.contact import laws
 
@@ -69,8 +69,8 @@ def smooth_reference(b, c, d, h=0.0, n=400):
 
 def ours(b, c, d, speed=0.0):
     """(psi, psi_c, psi_d, moment integral, excess) from the friction of a unit contact turning with 1 rad/s."""
-    contact, motion = laws.contacts_from_values(1.0, b, 1.0, 1.0), laws.motion_of_rotation_about_point(1.0, c, d)
-    e = laws.dissipated_power(contact, motion, speed)
+    contact, motion = laws.contacts_from_values(1.0, b, 1.0, 1.0), motion_of_rotation_about_point(1.0, c, d)
+    e = dissipated_power(contact, motion, speed)
     return np.array([e.power[0], e.gradient[0, 1], -e.gradient[0, 0], e.gradient[0, 2], e.excess_over_loss[0]])
 
 
@@ -98,11 +98,11 @@ def test_against_adaptive_quadrature(b, c, d):
 def test_derivatives_against_finite_differences(motion, speed):
     at = laws.contacts_from_values(1.3, 0.4, 7.0, 0.2)
     m = np.array([motion])
-    e = laws.dissipated_power(at, m, speed)
+    e = dissipated_power(at, m, speed)
     for j in range(3):
         step = np.zeros((1, 3))
         step[0, j] = 1e-5
-        up, down = laws.dissipated_power(at, m + step, speed), laws.dissipated_power(at, m - step, speed)
+        up, down = dissipated_power(at, m + step, speed), dissipated_power(at, m - step, speed)
         assert (up.power - down.power) / 2e-5 == pytest.approx(e.gradient[:, j], rel=1e-7, abs=1e-8)
         assert (up.gradient - down.gradient) / 2e-5 == pytest.approx(e.hessian[:, j], rel=1e-6, abs=1e-7)
 
@@ -111,44 +111,44 @@ def test_convex_and_of_degree_one():
     rng = np.random.default_rng(3)
     m = rng.normal(size=(300, 3)) * 10.0 ** rng.uniform(-3, 3, size=(300, 3))
     at = laws.contacts_from_values(1.0, rng.uniform(0.03, 1.0, 300), 1.0, 1.0)
-    e = laws.dissipated_power(at, m)
+    e = dissipated_power(at, m)
     size = np.linalg.norm(e.hessian, axis=(1, 2))
     assert np.all(np.linalg.eigvalsh(e.hessian)[:, 0] >= -1e-12 * size)
     assert np.sum(e.gradient * m, axis=1) == pytest.approx(e.power, rel=1e-11)
-    assert laws.dissipated_power(at, 5.0 * m).power == pytest.approx(5.0 * e.power, rel=1e-13)
-    between = laws.dissipated_power(at, 0.5 * (m + m[::-1])).power
-    assert np.all(between <= 0.5 * (e.power + laws.dissipated_power(at, m[::-1]).power) * (1.0 + 1e-13))
+    assert dissipated_power(at, 5.0 * m).power == pytest.approx(5.0 * e.power, rel=1e-13)
+    between = dissipated_power(at, 0.5 * (m + m[::-1])).power
+    assert np.all(between <= 0.5 * (e.power + dissipated_power(at, m[::-1]).power) * (1.0 + 1e-13))
 
 
 def test_regularised_lies_at_most_the_speed_above():
     rng = np.random.default_rng(4)
     m = rng.normal(size=(200, 3))
     at = laws.contacts_from_values(1.0, rng.uniform(0.03, 1.0, 200), 5.0, 0.2)
-    exact = laws.dissipated_power(at, m).power
+    exact = dissipated_power(at, m).power
     for speed in (1.0, 1e-2, 1e-5):
-        rise = laws.dissipated_power(at, m, speed).power - exact
+        rise = dissipated_power(at, m, speed).power - exact
         assert np.all(rise >= -1e-14)
         assert np.all(rise <= at.friction_bound * speed * (1.0 + 1e-12))
     still = laws.contacts_from_values(1.0, 0.5, 1.0, 0.1), np.zeros((1, 3))
-    assert not laws.dissipated_power(*still).gradient.any()
-    assert laws.dissipated_power(*still).power[0] == 0.0
-    assert laws.dissipated_power(*still, 0.2).power[0] == pytest.approx(0.02, rel=1e-14)
+    assert not dissipated_power(*still).gradient.any()
+    assert dissipated_power(*still).power[0] == 0.0
+    assert dissipated_power(*still, 0.2).power[0] == pytest.approx(0.02, rel=1e-14)
 
 
 def test_limits_of_pure_spin_and_pure_sliding():
     """Lin 3.32 and 3.33; M -> mu F b^2 / (5 c) for a centre far along x, the second moment of the pressure."""
     at = laws.contacts_from_values(2e-3, [2e-3, 1e-3, 1e-4], 100.0, 0.1)
-    spin = laws.friction_forces(at, laws.motion_of_rotation_about_point(np.full(3, -3.0), 0.0, 0.0))
+    spin = laws.friction_forces(at, motion_of_rotation_about_point(np.full(3, -3.0), 0.0, 0.0))
     assert spin.force == pytest.approx(0.0, abs=1e-15)
     assert spin.moment == pytest.approx(pure_spin_moment(at), rel=1e-13)
     assert pure_spin_moment(at)[1] == pytest.approx(0.375 * 10.0 * 2e-3 * ellipe(0.75), rel=1e-14)
-    turning = {c: laws.motion_of_rotation_about_point(np.ones(3), c, 0.0) for c in (1e3, -1e9)}
+    turning = {c: motion_of_rotation_about_point(np.ones(3), c, 0.0) for c in (1e3, -1e9)}
     for c, motion in (turning | {np.inf: np.tile([0.0, 2.0, 0.0], (3, 1))}).items():
         slide = laws.friction_forces(at, motion)
         assert slide.force[:, 1] == pytest.approx(-np.sign(c) * at.friction_bound, rel=1e-11)
         assert np.all(np.abs(slide.moment) <= 10.0 * at.b**2 / 5.0 / min(abs(c), 1e37) * (1.0 + 1e-9))
     for c in (1e4, 1e8, 1e15, 1e30):  # the moment keeps its digits
-        far_away = laws.friction_forces(UNIT, laws.motion_of_rotation_about_point(1.0, c, 0.0))
+        far_away = laws.friction_forces(UNIT, motion_of_rotation_about_point(1.0, c, 0.0))
         assert -far_away.moment[0] * c == pytest.approx(0.2**2 / 5.0, rel=2e-8)
 
 
@@ -169,7 +169,7 @@ def test_force_inside_is_a_cubic(b):
     """Source's linear law: exact slope, exact cubic term, and the error of any slope over any reach."""
     t = np.array([0.1, 0.4, 0.8, 1.0])
     at = laws.contacts_from_values(2.0, np.full(4, 2.0 * b), 1.0, 1.0)
-    motion = laws.motion_of_rotation_about_point(np.ones(4), 2.0 * t, 0.0)
+    motion = motion_of_rotation_about_point(np.ones(4), 2.0 * t, 0.0)
     linear, cubic = laws.linear_friction_force_factor(b), laws.cubic_friction_force_factor(b)
     assert -laws.friction_forces(at, motion).force[:, 1] == pytest.approx(linear * t - cubic * t**3, rel=1e-12)
     g = linear - cubic * np.linspace(1e-3, 0.5, 200) ** 2
@@ -192,10 +192,10 @@ def test_interpolated_maps():
     """Linear between the multiples of the step, equal at them; exact again as the step falls."""
     at, exact = SLENDER, laws.CoulombLaw().friction
     coarse = laws.SigmoidLaw(1e9, 1.0, map_spacing=0.08)
-    on = laws.motion_of_rotation_about_point(2.0, 0.16, 0.0)
+    on = motion_of_rotation_about_point(2.0, 0.16, 0.0)
     assert coarse.friction(at, on).loss == pytest.approx(exact(at, on).loss, rel=1e-12)
-    off = laws.motion_of_rotation_about_point(-2.0, 0.2, 0.0)
-    ends = [exact(at, laws.motion_of_rotation_about_point(-2.0, c, 0.0)) for c in (0.16, 0.24)]
+    off = motion_of_rotation_about_point(-2.0, 0.2, 0.0)
+    ends = [exact(at, motion_of_rotation_about_point(-2.0, c, 0.0)) for c in (0.16, 0.24)]
     got = coarse.friction(at, off)
     for name in ("loss", "force", "moment"):
         assert getattr(got, name) == pytest.approx(0.5 * sum(getattr(end, name) for end in ends), rel=1e-12)

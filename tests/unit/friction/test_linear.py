@@ -7,9 +7,10 @@ import pytest
 from scipy.optimize import fsolve
 from scipy.special import ellipe
 from tests import linear_chain_oracle
+from tests.friction_oracles import dissipated_power
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.contact.laws import contacts_from_values, dissipated_power
+from rollbench.lowfi.friction.contact.laws import contacts_from_values
 from rollbench.lowfi.friction.linear import bearing as linear_bearing
 from rollbench.lowfi.friction.linear import chain
 from rollbench.lowfi.friction.screw.chain import solve_motion_of_chain

@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import minimize
+from tests.friction_oracles import dissipated_power
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction import bearing as friction_bearing
 from rollbench.lowfi.friction.contact import equilibrium
-from rollbench.lowfi.friction.contact.laws import contacts_from_values, dissipated_power
+from rollbench.lowfi.friction.contact.laws import contacts_from_values
 
 BEARING = source_cases.rotary_ball_scene("I").bearing
 DIAGONAL = np.stack([friction_bearing.AXIAL, friction_bearing.RADIAL], axis=1) * np.sqrt(0.5)

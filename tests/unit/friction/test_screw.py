@@ -10,7 +10,8 @@ from tests.helpers import SCREW_STATES as STATES
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.bearing import solve_ball_of_bearing
-from rollbench.lowfi.friction.contact.loads import state_of_balls
+from rollbench.lowfi.friction.contact.equilibrium import motion_by_root
+from rollbench.lowfi.friction.contact.loads import one_group, state_of_groups
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import pair_angles_and_loads
 from rollbench.lowfi.friction.linear.chain import solve_pair_of_linear_balls as solve_linear_pair
@@ -108,7 +109,7 @@ def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
 
     def energy_at(p, u):
         work = np.sum(cell.ball_friction_forces * p) + cell.external_screw_force @ u
-        return state_of_balls(arrays, p, u).energy - work
+        return state_of_groups(one_group(arrays), p[None], u[None]).energy[0] - work
 
     def energy(x):
         return energy_at(scale * x[:4].reshape(2, 2), scale * x[4:]) / (50.0 * scale)
@@ -120,7 +121,7 @@ def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     assert energy(x) <= best.fun + 1e-12 * abs(best.fun)
     assert x == pytest.approx(best.x, abs=1e-3)
     p, u, h = rng.normal(size=(2, 2)) * 1e-6, rng.normal(size=2) * 1e-6, 1e-10
-    state = state_of_balls(arrays, p, u)
+    state = state_of_groups(one_group(arrays), p[None], u[None])
     slope = np.append(state.on_balls.ravel(), state.on_inner)
     for k in range(6):
         step = np.eye(6)[k] * h
@@ -170,13 +171,13 @@ def test_root_of_the_sources_law(rng: np.random.Generator) -> None:
     one, two = (motion.solve_ball_motion(SCREW, *STATES[name]) for name in ("four", "two"))
     for sharpness, off in ((100.0, 1e-3), (1e4, 1e-9)):
         law = motion.lin_sigmoid_law(SCREW, sharpness)
-        root = motion.solve_ball_motion_by_root(one, law, one.motion.unknown_velocities)
+        root = motion_by_root(one.problem, law, one.motion.unknown_velocities)
         assert root.status == "exact"
         assert root.loss == pytest.approx(one.motion.loss, rel=off)
     assert law.reference_spin == pytest.approx(2.0 * np.pi * 0.98193 * np.sqrt(0.5), rel=1e-4)
     law = motion.lin_sigmoid_law(SCREW, 1e3)
     starts = [two.motion.unknown_velocities * (1.0 + 0.3 * rng.normal(size=4)) for _ in range(20)]
-    assert [motion.solve_ball_motion_by_root(two, law, start).status for start in starts].count("failed") > 4
+    assert [motion_by_root(two.problem, law, start).status for start in starts].count("failed") > 4
 
 
 @pytest.mark.parametrize("u_y", [0.0, 5.2e-6, 8.0e-6])

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import minimize
+from tests.friction_oracles import dissipated_power
 from tests.helpers import SCREW_STATES as STATES
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.contact.laws import dissipated_power
 from rollbench.lowfi.friction.screw import run
 from rollbench.lowfi.friction.screw.chain import BalanceSearch, ScrewBallChain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw, solve_ball_motion

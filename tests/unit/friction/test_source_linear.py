@@ -8,6 +8,7 @@ import pytest
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.as_source import chain
+from rollbench.lowfi.friction.contact.laws import CoulombLaw
 from rollbench.lowfi.friction.linear import chain as linear_chain
 from rollbench.lowfi.friction.linear.bearing import contact_angle_deviations, loads_in_equilibrium
 from rollbench.lowfi.friction.screw.chain import solve_motion_of_chain
@@ -25,13 +26,20 @@ def ours():
 def by_root(sharpness):
     """The case by the source's method, with Coulomb's law or a sigmoid."""
     law = chain.linear_bearing_friction_law(BEARING, sharpness)
-    return chain.solve_linear_bearing_by_root(BEARING, *linear_chain.pair_angles_and_loads(BEARING, *CASE), law=law)
+    return solve_by_root(BEARING, *linear_chain.pair_angles_and_loads(BEARING, *CASE), law=law)
+
+
+def solve_by_root(bearing, angles, loads, may_touch=True, law=None):
+    """Motion of balls by the source's method, equations 3.25 to 3.31; by Coulomb's law where none is given."""
+    balls = chain.balls_of_linear_bearing(bearing, angles, loads)
+    near = np.broadcast_to(np.asarray(may_touch, dtype=bool), (balls.count - 1,))
+    return chain.solve_motions_of_balls_by_root(balls, CoulombLaw() if law is None else law, near)
 
 
 def both(angles, loads):
     """A chain by our method and by the source's."""
     prepared = linear_chain.prepare_linear_chain(BEARING, angles, loads)
-    return solve_motion_of_chain(prepared), chain.solve_linear_bearing_by_root(BEARING, angles, loads)
+    return solve_motion_of_chain(prepared), solve_by_root(BEARING, angles, loads)
 
 
 def state(theta, rho):
@@ -72,11 +80,11 @@ def test_chain_is_ours_where_the_rule_for_contact_holds():
 
 def test_balls_that_part_or_are_out_of_reach_stay_apart():
     angles, loads = state([2.0, 2.0], [0.6, -0.6])
-    parting = chain.solve_linear_bearing_by_root(BEARING, angles, loads)
+    parting = solve_by_root(BEARING, angles, loads)
     assert parting.status == "exact"
     assert parting.ball_motions[1, 0] > parting.ball_motions[0, 0]
     assert parting.ball_force[0] == 0.0
-    far = chain.solve_linear_bearing_by_root(BEARING, angles[::-1], loads[::-1], False)
+    far = solve_by_root(BEARING, angles[::-1], loads[::-1], False)
     assert far.ball_force[0] == 0.0
     np.testing.assert_array_equal(far.ball_motions, far.motions_without_ball_forces)
 
@@ -95,4 +103,4 @@ def test_rule_for_contact_lets_balls_overlap():
 def test_failure_is_a_status():
     """All but two contacts unloaded, one rests under Coulomb's law: there is no root to find."""
     state_2p = linear_chain.pair_angles_and_loads(BEARING, np.radians(2.0), -1.0 + 1e-6, 100.0, loads="elastic")
-    assert chain.solve_linear_bearing_by_root(BEARING, *state_2p).status == "failed"
+    assert solve_by_root(BEARING, *state_2p).status == "failed"

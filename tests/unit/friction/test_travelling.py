@@ -8,7 +8,7 @@ from rollbench.lowfi.compliance.between import contact_points_and_axes
 from rollbench.lowfi.compliance.bodies import compliance_between_contacts
 from rollbench.lowfi.compliance.parts import REFINED
 from rollbench.lowfi.friction.whole.run import APART, WINDOW, TravellingCompliance
-from rollbench.lowfi.statics.nominal import contact_loads_with_elastic_bodies
+from rollbench.lowfi.statics.nominal import contact_loads
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, ball_layout_at_positions, lead_per_radian
 
@@ -53,7 +53,7 @@ def test_loads_of_balls_that_travel_are_those_of_balls_that_stay():
     scene = small_screw(3, 0.7, force=(0.0, 0.0, 60.0))
     layout = ball_layout(scene)
     drawn = draw_geometry_with_errors(scene, layout)
-    still = contact_loads_with_elastic_bodies(scene, drawn, layout)
-    moving = contact_loads_with_elastic_bodies(scene, drawn, layout, whole=TravellingCompliance(WINDOW))
+    still = contact_loads(scene, drawn, layout, REFINED)
+    moving = contact_loads(scene, drawn, layout, REFINED, whole=TravellingCompliance(WINDOW))
     assert moving.converged
     assert np.allclose(moving.load, still.load, rtol=0.0, atol=1e-12 * still.load.max())

@@ -12,13 +12,14 @@ from tests.helpers import mirrored, small_screw, solved
 from tests.whole_screws import contacts_in, scene_of
 
 from rollbench.compare.cases.lin.evidence.source_cases import simulation_inputs
+from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.friction.screw.chain import ScrewBallChain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.motion import solve_screw_contact_loads
 from rollbench.lowfi.friction.screw.run import balls_at_instant
 from rollbench.lowfi.friction.screw.travel import simulate
 from rollbench.lowfi.friction.whole.circuit import balls_in_circuits, grooves_of_scene, solve_motion_on_track
 from rollbench.lowfi.friction.whole.state import friction_state
-from rollbench.lowfi.statics.nominal import contact_loads_by_beam_model, contact_loads_with_elastic_bodies
+from rollbench.lowfi.statics.nominal import contact_loads
 from rollbench.lowfi.statics.static import solve_elastic, solve_static
 from rollbench.meshes.errors import draw_errors, draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, lead_per_radian
@@ -176,8 +177,8 @@ def test_balls_of_unlike_sizes_touch_where_their_radii_meet():
 def test_loads_again_are_those_of_a_single_solution():
     scene = small_screw(6, 0.8, force=(20.0, 0.0, 400.0), oversize=2e-6)
     layout = ball_layout(scene)
-    for loads, once in ((contact_loads_by_beam_model, solve_static), (contact_loads_with_elastic_bodies, solve_elastic)):
-        found, expected = loads(scene, draw_geometry_with_errors(scene, layout), layout), once(scene)
+    for backend, once in ((LADDER["lin"], solve_static), (REFINED, solve_elastic)):
+        found, expected = contact_loads(scene, draw_geometry_with_errors(scene, layout), layout, backend), once(scene)
         assert found.load == pytest.approx(expected.load, rel=1e-9, abs=1e-6)
         assert np.allclose(found.contact_angle, expected.contact_angle, rtol=1e-9, equal_nan=True)
 

@@ -157,7 +157,9 @@ def test_without_friction_nothing_is_lost_and_motion_is_that_of_a_vanishing_coef
 def test_answers_of_screw_pairs_are_the_library_s(name):
     found, r = solved(name).data, solve_pair_of_screw_balls(catalogue.scene_of_any_kind(name).pair)
     percent = found["friction_increase_percent"], found["ball_to_ball_percent"]
-    assert percent == pytest.approx((100.0 * r.friction_increase, 100.0 * r.ball_loss_over_groove_loss), rel=1e-8)
+    assert percent == pytest.approx(
+        (100.0 * r.friction_increase, 100.0 * r.touching.motion.ball_loss.sum() / r.apart.motion.loss), rel=1e-8
+    )
     numbers = found["pairs"][0]["force_N"], found["energy"]["loss_W"]
     assert numbers == pytest.approx((r.force, r.touching.motion.loss), rel=1e-8)
     loads = [list(b["load_N"].values()) for b in found["balls"]]
