@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rollbench.lowfi.hertz import contact_approach, contact_force, contact_stiffness_at_approach
 from rollbench.lowfi.statics.contacts import scene_with_error_free_hertz
 from rollbench.lowfi.statics.held import find_unresisted_motions
-from rollbench.lowfi.statics.problem import SIGNS, Problem, SolvedState, build_problem
+from rollbench.lowfi.statics.problem import SIGNS, ContactState, Problem, SolvedState, build_problem
 from rollbench.lowfi.statics.result import SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.selection import all_flank_motions_by_screw
 from rollbench.lowfi.statics.shape import beam_shape_functions
@@ -414,16 +414,15 @@ def solve_lin_equations_as_static_result(scene: Scene, *, everything: bool = Fal
     if not np.all(np.isfinite(solution.contact_loads)) or not np.all(np.isfinite(solution.node_motions)):
         return failed_result(problem, "source", status, solution.seconds)
     angle = solution.contact_angles
-    solved = SolvedState(
+    contacts = ContactState(
         problem,
-        solution.node_motions,
-        solution.ball_displacements,
-        solution.contact_loads,
-        SIGNS * np.stack([np.cos(angle), np.sin(angle)], axis=-1),
-        solution.support_reactions,
-        all_flank_motions_by_screw(problem, solution.node_motions),
-        0.0,
+        force=solution.contact_loads,
+        normal=SIGNS * np.stack([np.cos(angle), np.sin(angle)], axis=-1),
+        tangential=np.full(angle.shape, np.nan),  # not needed for the result
+        ball_centres=solution.ball_displacements,
+        flank_motions=all_flank_motions_by_screw(problem, solution.node_motions),
     )
+    solved = SolvedState(contacts, solution.node_motions, solution.support_reactions, 0.0)
     report = SolverReport(
         solution.iterations,
         solution.iterations + 1,

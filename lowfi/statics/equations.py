@@ -43,7 +43,14 @@ from rollbench.lowfi.statics.equilibrium import (
     newton_step,
     unbalanced_forces,
 )
-from rollbench.lowfi.statics.problem import PlacedBalls, Problem, SolvedState, build_problem, round_off_approach
+from rollbench.lowfi.statics.problem import (
+    ContactState,
+    PlacedBalls,
+    Problem,
+    SolvedState,
+    build_problem,
+    round_off_approach,
+)
 from rollbench.lowfi.statics.response import LARGEST, FlankCompliance, only_flank_pair
 from rollbench.lowfi.statics.rolling_elements import (
     Balls,
@@ -55,7 +62,7 @@ from rollbench.lowfi.statics.rolling_elements import (
     starting_springs,
 )
 from rollbench.lowfi.statics.selection import all_flank_motions_by_screw, solutions_clear_of_left_out_flanks, touched_flanks
-from rollbench.lowfi.statics.settle import FORCE_SETTLED, ContactState, ModelDescription, ResidualScale
+from rollbench.lowfi.statics.settle import FORCE_SETTLED, ModelDescription, ResidualScale
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS, model_assumptions
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import GeometryWithErrors
@@ -351,8 +358,7 @@ class SingleNutEquations(settle.StaticEquations):
             motion = coupling.add_jumps_inside_stretches(motion, pushes, problem.fixed)
         held = np.where(problem.fixed, nodal, 0.0)
         scale = max(self.residual_force_scale, float(np.abs(held[:, :3]).max(initial=0.0)))
-        state = self.contact_states()[0]
-        return SolvedState(problem, motion, state.ball_centres, state.force, state.normal, held, state.flank_motions, scale)
+        return SolvedState(self.contact_states()[0], motion, held, scale)
 
     def model_description(self) -> ModelDescription:
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution.

@@ -153,26 +153,34 @@ class BeamProblem:
     middle: float
 
 
-@dataclass(frozen=True)
-class SolvedState:
-    """Solution of a static problem with n beam nodes and N balls: motions, contact forces and support reactions."""
+class ContactState(NamedTuple):
+    """Contact forces, ball centres and flank motions of one bearing or nut with N balls, in one state of the iteration."""
 
-    #: Arrays of the static problem that was solved.
+    #: Contact problem of the bearing or nut.
     problem: Problem
-    #: Motions of the beam's nodes ``(n, 6)`` [m, rad].
-    nodal_motions: Array
+    #: Force of each contact ``(N, 4)`` [N].
+    force: Array
+    #: Unit normal of each contact from ball to groove ``(N, 4, 2)``.
+    normal: Array
+    #: Stiffness of each contact across its normal ``(N, 4)`` [N/m]: force times the curvature of the flank.
+    tangential: Array
     #: Displacements of the ball centres in their section planes ``(N, 2)`` [m].
     ball_centres: Array
-    #: Contact forces ``(N, 4)`` [N].
-    contact_forces: Array
-    #: Unit normals of the contacts from ball to groove, in the balls' section planes ``(N, 4, 2)``.
-    contact_normals: Array
+    #: Motions of all flanks in the balls' section planes ``(N, 4, 2)`` [m].
+    flank_motions: Array
+
+
+@dataclass(frozen=True)
+class SolvedState:
+    """Solution of a static problem with n beam nodes and N balls: contacts, motions and support reactions."""
+
+    #: Contacts of all balls, with the problem that was solved.
+    contacts: ContactState
+    #: Motions of the beam's nodes ``(n, 6)`` [m, rad].
+    nodal_motions: Array
     #: Forces and moments of the supports on the nodes ``(n, 6)`` [N, N m]. They are zero for a rigid screw, whose reactions
     #: follow from its equilibrium.
     reactions: Array
-    #: Motions of the groove flanks at each ball, in its section plane ``(N, 4, 2)`` [m]; None if all flanks are circular
-    #: arcs.
-    flank_motions: Array | None
     #: Force by which the solver divided its residual [N]: the largest force in the model.
     residual_force_scale: float
 

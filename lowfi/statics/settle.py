@@ -27,7 +27,7 @@ from rollbench.lowfi.statics.equilibrium import (
     StaticSystem,
     find_equilibrium,
 )
-from rollbench.lowfi.statics.problem import SIGNS, Problem
+from rollbench.lowfi.statics.problem import SIGNS, ContactState, Problem
 from rollbench.lowfi.statics.result import SolverReport, Status
 from rollbench.meshes.arrays import Array
 
@@ -101,23 +101,6 @@ class ModelDescription(NamedTuple):
     assumed: tuple[str, ...]
     #: Effects that the model neglects, as sentences.
     left_out: tuple[str, ...] = ()
-
-
-class ContactState(NamedTuple):
-    """Contact forces, ball centres and flank motions of one bearing or nut with N balls, in one state of the iteration."""
-
-    #: Contact problem of the bearing or nut.
-    problem: Problem
-    #: Force of each contact ``(N, 4)`` [N].
-    force: Array
-    #: Unit normal of each contact from ball to groove ``(N, 4, 2)``.
-    normal: Array
-    #: Stiffness of each contact across its normal ``(N, 4)`` [N/m]: force times the curvature of the flank.
-    tangential: Array
-    #: Displacements of the ball centres in their section planes ``(N, 2)`` [m].
-    ball_centres: Array
-    #: Motions of all flanks in the balls' section planes ``(N, 4, 2)`` [m].
-    flank_motions: Array
 
 
 @dataclass(kw_only=True)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.statics.problem import Problem, SolvedState
+from rollbench.lowfi.statics.problem import ContactState, Problem, SolvedState
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.lowfi.statics.shape import beam_interpolation_matrices, rigid_motion_transfer_matrix
@@ -99,19 +99,19 @@ def _cached_motion_matrices(
     return stations, *beam_interpolation_matrices(stations, np.array(nodes), section)
 
 
-def contact_points_and_force_directions(solved: SolvedState) -> tuple[Array, Array]:
+def contact_points_and_force_directions(contacts: ContactState) -> tuple[Array, Array]:
     """Return the contact points on the undeformed flanks [m], and the unit vectors of the contact forces on the balls.
 
-    ``solved``: solution with N balls. Both arrays have the shape ``(N, 4, 3)``: balls, four flanks (screw left, screw
+    ``contacts``: solution with N balls. Both arrays have the shape ``(N, 4, 3)``: balls, four flanks (screw left, screw
     right, nut left, nut right), and the coordinates x, y, z of the scene.
     """
-    problem, normal = solved.problem, solved.contact_normals
+    problem, normal = contacts.problem, contacts.normal
     layout = problem.layout
     axes = np.stack([layout.radial, layout.binormal], axis=1)
     plane = problem.drawn.groove_radii[None, :, None] * normal
-    if problem.drawn.profile_coefficients.shape[1] and solved.flank_motions is not None:
-        w = -problem.drawn.groove_centres + solved.ball_centres[:, None, :] - solved.flank_motions
-        distance = problem.drawn.ball_radii[:, None] - contact_approach(solved.contact_forces, problem.C)
+    if problem.drawn.profile_coefficients.shape[1]:
+        w = -problem.drawn.groove_centres + contacts.ball_centres[:, None, :] - contacts.flank_motions
+        distance = problem.drawn.ball_radii[:, None] - contact_approach(contacts.force, problem.C)
         plane = w + distance[..., None] * normal
     points = np.einsum("nsa,nak->nsk", plane + problem.drawn.groove_centres, axes) + layout.centre[:, None, :]
     return points, -np.einsum("nsa,nak->nsk", normal, axes)
@@ -132,7 +132,7 @@ def check_screw_equilibrium(solved: SolvedState, points: Array, on_ball: Array) 
     on_ball
         Unit vectors of the contact forces on the balls ``(N, 4, 3)``.
     """
-    problem, force, nodal = solved.problem, solved.contact_forces, solved.reactions
+    problem, force, nodal = solved.contacts.problem, solved.contacts.force, solved.reactions
     scene, pins = problem.scene, np.isin(np.arange(6), problem.pins)
     on_screw = -on_ball[:, :2] * force[:, :2, None]
     moments = np.cross(points[:, :2], on_screw)
@@ -157,7 +157,7 @@ def check_screw_equilibrium(solved: SolvedState, points: Array, on_ball: Array) 
     s, noise = problem.section, (0.0, 0.0)
     if problem.rigid_motion_basis is None:
         noise = round_off_forces(np.diff(problem.nodes), np.array([[s.EA, s.EI, s.GJ, s.kGA]]), solved.nodal_motions)
-    net = magnitudes_of_net_ball_forces(force, solved.contact_normals)
+    net = magnitudes_of_net_ball_forces(force, solved.contacts.normal)
     return check_equilibrium(sums, size, scene.track.pitch_radius, noise, net)
 
 
@@ -173,7 +173,8 @@ def support_reactions(solved: SolvedState, reaction: Array) -> Array:
     reaction
         Sum of force and moment of all supports about the origin ``(6,)`` [N, N m].
     """
-    problem, supports = solved.problem, solved.problem.scene.supports
+    problem = solved.contacts.problem
+    supports = problem.scene.supports
     if problem.rigid_motion_basis is None:
         return nodal_reactions(problem.nodes, supports, solved.reactions)
     held = [(i, FREEDOMS.index(name)) for i, s in enumerate(supports) for name, _ in s.fixed]
@@ -335,14 +336,14 @@ def add_reason_not_unique(status: Status, warnings: Sequence[ResultWarning]) -> 
 
 
 def contact_result(
-    solved: SolvedState, z: Array, motion: Array, report: SolverReport, *, arc_on_both_sides: bool = False
+    contacts: ContactState, z: Array, motion: Array, report: SolverReport, *, arc_on_both_sides: bool = False
 ) -> StaticResult:
     """Return the static result of one nut or bearing with all contacts, still without model name and equilibrium check.
 
     Parameters
     ----------
-    solved
-        Solution.
+    contacts
+        Contacts of the nut or bearing in the solution.
     z
         Axial positions of the shaft's centreline ``(k,)`` [m].
     motion
@@ -353,9 +354,9 @@ def contact_result(
         Whether each groove is one arc that extends to both sides of its bottom, as in a deep groove bearing. Contact angles
         are then checked by their magnitude.
     """
-    problem, force = solved.problem, solved.contact_forces
-    raw = contact_angles(solved.contact_normals)
-    points, on_ball = contact_points_and_force_directions(solved)
+    problem, force = contacts.problem, contacts.force
+    raw = contact_angles(contacts.normal)
+    points, on_ball = contact_points_and_force_directions(contacts)
     return StaticResult(
         model="",
         status=Status("converged"),
@@ -365,12 +366,12 @@ def contact_result(
         contact_angle=np.where(force > 0.0, raw, np.nan),
         contact_point=points,
         force_direction=on_ball,
-        centre_shift=solved.ball_centres,
+        centre_shift=contacts.ball_centres,
         hertz_C=problem.C.copy(),
         centreline_z=z,
         centreline=motion,
         solver=report,
-        warnings=validity_warnings(solved, np.abs(raw) if arc_on_both_sides else raw, z, motion),
+        warnings=validity_warnings(contacts, np.abs(raw) if arc_on_both_sides else raw, z, motion),
     )
 
 
@@ -404,8 +405,8 @@ def assemble_result(
         Whether the model's lever arms and force directions differ from those of the true contacts, so that forces at the
         true contacts do not balance. The equilibrium check then does not change the status.
     """
-    problem = solved.problem
-    result = contact_result(solved, *centreline_motions(problem, solved.nodal_motions), report)
+    problem = solved.contacts.problem
+    result = contact_result(solved.contacts, *centreline_motions(problem, solved.nodal_motions), report)
     balance = check_screw_equilibrium(solved, result.contact_point, result.force_direction)
     if not has_own_lever_arms:
         status = status_after_equilibrium_check(status, balance, problem.scene.ingredients.arm == "nominal")

@@ -8,7 +8,7 @@ import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
 from rollbench.lowfi.statics.contacts import hertz_of_every_contact
-from rollbench.lowfi.statics.problem import SIGNS, Problem, SolvedState
+from rollbench.lowfi.statics.problem import SIGNS, ContactState, Problem
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
@@ -37,13 +37,13 @@ PROFILE_SHARE = 0.5
 OVERLAP = 1e-9
 
 
-def validity_warnings(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> tuple[ResultWarning, ...]:
+def validity_warnings(contacts: ContactState, gamma: Array, z: Array, motion: Array) -> tuple[ResultWarning, ...]:
     """Return all warnings that a static solution lies outside the model's range of validity.
 
     Parameters
     ----------
-    solved
-        Solution with N balls.
+    contacts
+        Contacts of N balls in the solution.
     gamma
         Contact angles ``(N, 4)`` [rad].
     z
@@ -51,18 +51,18 @@ def validity_warnings(solved: SolvedState, gamma: Array, z: Array, motion: Array
     motion
         Motions of the shaft at these positions ``(k, 6)`` [m, rad].
     """
-    problem, force = solved.problem, solved.contact_forces
+    problem, force = contacts.problem, contacts.force
     constants = hertz_of_every_contact(problem.scene, problem.drawn)
     semi_axis = constants.C_a * np.cbrt(force)  # the long one, across the groove
     half = semi_axis / problem.drawn.groove_radii
     loaded = (force.sum(axis=1, keepdims=True) > 0.0) * 1.0
-    shift = solved.ball_centres * loaded
+    shift = contacts.ball_centres * loaded
     return (
         *_arc_limit_warnings(problem, force, gamma, half, shift),
         *_overlapping_contact_warning(force, gamma, half),
         *contact_warnings(constants.pressure(force), semi_axis, problem.scene.balls.radius),
         *_ball_overlap_warning(problem, shift),
-        *profile_warning(solved),
+        *profile_warning(contacts),
         *tilt_warning(problem, force, z, motion),
         *rotation_warning(z, motion),
     )
@@ -247,23 +247,23 @@ def _ball_overlap_warning(problem: Problem, shift: Array) -> list[ResultWarning]
     return [ResultWarning("wedged", text, brief)]
 
 
-def profile_warning(solved: SolvedState) -> list[ResultWarning]:
+def profile_warning(contacts: ContactState) -> list[ResultWarning]:
     """Return a warning if profile errors of a groove allow several contact points of one ball and flank, or none.
 
     Profile errors shift the centre of curvature of the profile off the groove's centre, by the derivative of the groove's
     radius with respect to the contact angle [m]. If this shift is not small against the distance between groove centre and
-    ball centre, there may be several contact points. ``solved``: solution with contact angles and forces. The profile error
+    ball centre, there may be several contact points. ``contacts``: contacts in the solution. The profile error
     is a polynomial of the angle from -180 to 180 deg with a jump at its ends. A ball that is pressed onto the jump has no
     equilibrium on either side of it.
     """
-    profile = solved.problem.drawn.profile_coefficients
-    if not profile.shape[1] or solved.flank_motions is None:
+    profile = contacts.problem.drawn.profile_coefficients
+    if not profile.shape[1]:
         return []
-    powers, angle = np.arange(profile.shape[1]), contact_angles(solved.contact_normals)
+    powers, angle = np.arange(profile.shape[1]), contact_angles(contacts.normal)
     slope = np.abs(np.einsum("sk,nsk->ns", profile[:, 1:] * powers[1:], angle[..., None] ** powers[:-1]))
     jump = 2.0 * np.abs(profile[:, 1::2] @ np.pi ** powers[1::2])
-    w = SIGNS * (solved.ball_centres[:, None, :] - solved.flank_motions - solved.problem.drawn.groove_centres)
-    loaded, size = solved.contact_forces > 0.0, np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-12)
+    w = SIGNS * (contacts.ball_centres[:, None, :] - contacts.flank_motions - contacts.problem.drawn.groove_centres)
+    loaded, size = contacts.force > 0.0, np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-12)
     share = np.where(loaded, slope / size, 0.0)
     at_end = loaded & (size * (np.pi - np.abs(np.arctan2(w[..., 1], w[..., 0]))) < jump)
     ball, side = np.unravel_index(int((share + at_end * share.max()).argmax()), share.shape)

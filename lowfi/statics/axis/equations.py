@@ -33,7 +33,7 @@ from rollbench.lowfi.statics.equilibrium import (
     StaticSystem,
     small_response,
 )
-from rollbench.lowfi.statics.problem import BeamProblem, NominalContacts, Problem
+from rollbench.lowfi.statics.problem import BeamProblem, ContactState, NominalContacts, Problem
 from rollbench.lowfi.statics.rolling_elements import (
     RollingElements,
     slice_forces,
@@ -43,7 +43,6 @@ from rollbench.lowfi.statics.rolling_elements import (
 )
 from rollbench.lowfi.statics.settle import (
     FORCE_SETTLED,
-    ContactState,
     ModelDescription,
     StaticEquations,
     least_typical_force,

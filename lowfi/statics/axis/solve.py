@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from typing import NamedTuple
 
 import numpy as np
 
@@ -34,7 +33,7 @@ from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.errors import GeometryWithErrors
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.section import BeamSection, contact_force_positions
+from rollbench.meshes.section import contact_force_positions
 
 #: Assumptions of every result of the refined model on an assembly.
 ASSUMPTIONS = (
@@ -177,23 +176,6 @@ def moved_too_far(q: Array, system: AssemblyArrays) -> bool:
     return not float((np.abs(q) / np.repeat([system.moment_arm, 1.0], 3)).max()) <= FAR
 
 
-class AssemblyModel(NamedTuple):
-    """Mechanical model of an assembly: its name, its assumptions, and the function that makes its equations."""
-
-    #: Name of the model.
-    name: str
-    #: Assumptions of the model, as sentences.
-    assumed: tuple[str, ...]
-    #: Effects that the model neglects, as sentences.
-    left_out: tuple[str, ...]
-    #: Method by which the compliance of screws, nuts and balls is computed; None: they are rigid.
-    backend: ComplianceModel | None
-    #: Cross-section of the threaded shaft; None: computed from the assembly's dimensions.
-    threaded_shaft_section: BeamSection | None
-    #: Whether flanks that are expected to lift off the balls, by loads and axial offsets, are left out of the equations.
-    leaves_out_lifted_flanks: bool
-
-
 def solve_assembly(assembly: Assembly, *, member: int = 0) -> AxisResult:
     """Compute contact forces, stiffness and motions of a shaft with several bearings and nuts in static equilibrium.
 
@@ -216,12 +198,12 @@ def solve_assembly(assembly: Assembly, *, member: int = 0) -> AxisResult:
     ValueError
         If dimensions leave a part without material.
     """
-    model = AssemblyModel("lin", summary.AXIS_ASSUMPTIONS, (), None, None, True)
+    model = summary.AssemblyModel("lin", summary.AXIS_ASSUMPTIONS, (), None, None, True)
     return solve_assembly_by_model(assembly, model, member, partial(solve_assembly, member=member))
 
 
 def solve_assembly_by_model(
-    assembly: Assembly, model: AssemblyModel, member: int, solve_same_model: partial[AxisResult]
+    assembly: Assembly, model: summary.AssemblyModel, member: int, solve_same_model: partial[AxisResult]
 ) -> AxisResult:
     """Compute the static equilibrium of an assembly by a model, and return forces, stiffness and motions.
 
@@ -271,22 +253,9 @@ def solve_assembly_by_model(
     status = settle.status_of_solve(outcome, prepared.round_off_residual(), prove, far)
     if outcome.status in settle.NO_LOADS:
         return result_without_equilibrium(status)
-    description, (sets, whole) = prepared.model_description(), prepared.stiffness_of_sets_and_assembly()
     elements = prepared.assembly_arrays.structure.nodes.size - 1
-    ending = summary.SolveRecord(
-        status=status,
-        report=settle.solver_report(outcome, prepared, description, elements, (start, ready), notes),
-        pinned_motions_text=loose.description,
-        support_reactions=held,
-        set_stiffnesses=sets,
-        assembly_stiffness=whole,
-        model=model.name,
-        assumed=(*model.assumed, *description.assumed),
-        left_out=model.left_out,
-        flank_motions=[x.flank_motions for x in prepared.contact_states()],
-        residual_force_scale=outcome.scale,
-    )
-    return summary.result_of_solved_assembly(prepared.assembly_arrays, state, ending)
+    report = settle.solver_report(outcome, prepared, prepared.model_description(), elements, (start, ready), notes)
+    return summary.result_of_solved_assembly(prepared, (state, held), model, status, report, loose.description)
 
 
 def solve_assembly_with_elastic_bodies(
@@ -319,7 +288,7 @@ def solve_assembly_with_elastic_bodies(
         return replace(result, model=name, left_out=(*result.left_out, *rigid))
 
     again = partial(solve_assembly_with_elastic_bodies, member=member, backend=backend, name=name)
-    model = AssemblyModel(name, ASSUMPTIONS, rigid, backend, grooved_shaft_section(assembly, backend), False)
+    model = summary.AssemblyModel(name, ASSUMPTIONS, rigid, backend, grooved_shaft_section(assembly, backend), False)
     return solve_assembly_by_model(assembly, model, member, again)
 
 

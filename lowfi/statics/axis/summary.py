@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from rollbench.lowfi.compliance.parts import ComplianceModel
 from rollbench.lowfi.rollers import half_widths_and_pressures_of_slices, tapered_bearing_of_row
 from rollbench.lowfi.statics import summary
 from rollbench.lowfi.statics.axis import system as axis_system
+from rollbench.lowfi.statics.axis.equations import AssemblyEquations
 from rollbench.lowfi.statics.axis.held import APEX, status_of_reversed_thrust
-from rollbench.lowfi.statics.axis.system import AssemblyArrays, MountedState, RollerSet
-from rollbench.lowfi.statics.problem import SolvedState
+from rollbench.lowfi.statics.axis.system import AssemblyArrays, BallSet, MountedState, RollerSet
+from rollbench.lowfi.statics.problem import ContactState
 from rollbench.lowfi.statics.result import HEAT, AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, Status
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix
@@ -20,6 +22,7 @@ from rollbench.lowfi.statics.validity import contact_warnings, large_tilt_warnin
 from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
+from rollbench.meshes.section import BeamSection
 
 #: Assumptions of every result of Lin's low-order model on a shaft with several bearings and nuts.
 AXIS_ASSUMPTIONS = (
@@ -39,67 +42,70 @@ NO_FORCE = 1e-15
 NOTHING = 10.0 * ACCEPTED
 
 
-@dataclass(frozen=True)
-class SolveRecord:
-    """Data of a solved assembly that its result needs besides motions and contacts: status, reactions, stiffness, texts."""
+class AssemblyModel(NamedTuple):
+    """Mechanical model of an assembly: its name, its assumptions, and the function that makes its equations."""
 
-    #: Status that the solver reported.
-    status: Status
-    #: Effort and accuracy of the solve.
-    report: SolverReport
-    #: Text that names the rigid motions which the model prevents by fixing degrees of freedom, because no support or
-    #: contact resists them; empty if there are none.
-    pinned_motions_text: str
-    #: Forces and moments at the fixed degrees of freedom of shaft nodes and moving housings ``(r, 6)`` [N, N m].
-    support_reactions: Array
-    #: Tangent stiffness ``(6, 6)`` [N/m, N, N m] of each ball nut and ball bearing, without shaft and housing.
-    set_stiffnesses: Sequence[Array]
-    #: Tangent stiffness of the whole assembly at the reported shaft node or housing ``(6, 6)`` [N/m, N, N m]; None if the
-    #: assembly has no stiffness there.
-    assembly_stiffness: Array | None
     #: Name of the model.
-    model: str
+    name: str
     #: Assumptions of the model, as sentences.
     assumed: tuple[str, ...]
     #: Effects that the model neglects, as sentences.
     left_out: tuple[str, ...]
-    #: Motions of the flanks of each ball nut and ball bearing ``(N, 4, 2)`` [m].
-    flank_motions: Sequence[Array]
-    #: Force by which the solver divided its residual [N]: the largest force in the model.
-    residual_force_scale: float
+    #: Method by which the compliance of screws, nuts and balls is computed; None: they are rigid.
+    backend: ComplianceModel | None
+    #: Cross-section of the threaded shaft; None: computed from the assembly's dimensions.
+    threaded_shaft_section: BeamSection | None
+    #: Whether flanks that are expected to lift off the balls, by loads and axial offsets, are left out of the equations.
+    leaves_out_lifted_flanks: bool
 
 
-def result_of_solved_assembly(system: AssemblyArrays, state: MountedState, record: SolveRecord) -> AxisResult:
+def result_of_solved_assembly(
+    equations: AssemblyEquations,
+    mounted: tuple[MountedState, Array],
+    model: AssemblyModel,
+    status: Status,
+    report: SolverReport,
+    pinned_motions_text: str,
+) -> AxisResult:
     """Return the result of a solved assembly: bearings, housings, reactions, equilibrium check, stiffness and status.
 
     Parameters
     ----------
-    system
-        Arrays of the assembly.
-    state
-        Motions of shaft nodes and housings, and all contacts.
-    record
-        Data of the finished solve: its status, effort, stiffness, assumptions.
+    equations
+        Solved equations of the assembly.
+    mounted
+        Motions of shaft nodes and housings with all contacts, then forces and moments at the fixed degrees of freedom of
+        shaft nodes and moving housings ``(r, 6)`` [N, N m].
+    model
+        Mechanical model.
+    status
+        Status that the solver reported.
+    report
+        Effort and accuracy of the solve.
+    pinned_motions_text
+        Text that names the rigid motions which the model prevents by fixing degrees of freedom, because no support or
+        contact resists them; empty if there are none.
     """
+    system, (state, reactions), scale = equations.assembly_arrays, mounted, equations.residual_force_scale
     assembly, structure = system.assembly, system.structure
     r, n = structure.body_positions.size, structure.nodes.size
-    by_name = {b.of.name: result_of_ball_set(system, i, state, record) for i, b in enumerate(system.ball_sets)}
+    stiffnesses, whole = equations.stiffness_of_sets_and_assembly()
+    of_sets = zip(system.ball_sets, equations.contact_states(), stiffnesses, strict=True)
+    by_name = {b.of.name: result_of_ball_set(system, b, state, report, at, K) for b, at, K in of_sets}
     by_name |= {x.of.name: result_of_roller_bearing(x, state, structure.body_positions) for x in system.roller_sets}
     sets = tuple(by_name[s.name] for s in assembly.sets)
-    balance = _check_shaft_equilibrium(system, state, record, sets)
-    housings = tuple(_result_of_housing(system, i, sets, state.q, record) for i in range(r - n))
+    balance = _check_shaft_equilibrium(system, state, reactions, scale, sets)
+    housings = tuple(_result_of_housing(system, i, sets, state.q, reactions, scale) for i in range(r - n))
     found = ((s, s.balls.warnings if s.balls else roller_warnings(s, structure.nodes, state.q[:n])) for s in sets)
     warnings = tuple(w.with_part_name(s.of.name) for s, of_set in found for w in of_set)
-    checked = status_after_assembly_check(record.status, system, balance, housings)
-    status = summary.add_reason_not_unique(checked, warnings)
+    status = summary.add_reason_not_unique(status_after_assembly_check(status, system, balance, housings), warnings)
     if status == "converged":
-        status = status_of_reversed_bearing(system, sets, record.residual_force_scale) or status
-    pins = record.pinned_motions_text
-    pinned = (f"{pins}: fixed at its initial position, as no load drives and nothing resists it",) if pins else ()
+        status = status_of_reversed_bearing(system, sets, scale) or status
+    fixed = "fixed at its initial position, as no load drives and nothing resists it"
     at = axis_system.location_of_reported_stiffness(assembly)
     station = None if isinstance(at, str) else float(structure.nodes[axis_system.body_of_reported_stiffness(system)])
     return AxisResult(
-        model=record.model,
+        model=model.name,
         status=status,
         sets=sets,
         housings=housings,
@@ -108,17 +114,17 @@ def result_of_solved_assembly(system: AssemblyArrays, state: MountedState, recor
         equilibrium=balance,
         stiffness_at=f"shaft at {1e3 * station:.6g} mm" if station is not None else str(at),
         station=station,
-        stiffness=record.assembly_stiffness,
-        solver=record.report,
-        assumed=(*assembly.assumed, *record.assumed, *((ROLLERS,) if system.roller_sets else ())),
+        stiffness=whole,
+        solver=report,
+        assumed=(*assembly.assumed, *model.assumed, *equations.assumed, *((ROLLERS,) if system.roller_sets else ())),
         left_out=(
             *((HEAT,) if assembly.thermal_strain else ()),
-            *pinned,
-            *record.left_out,
+            *((f"{pinned_motions_text}: {fixed}",) if pinned_motions_text else ()),
+            *model.left_out,
             *axis_system.describe_left_out_flanks(system),
         ),
         warnings=warnings,
-        reactions=summary.nodal_reactions(structure.nodes, assembly.supports, record.support_reactions[:n]),
+        reactions=summary.nodal_reactions(structure.nodes, assembly.supports, reactions[:n]),
     )
 
 
@@ -175,35 +181,38 @@ def status_of_reversed_bearing(system: AssemblyArrays, sets: Sequence[SetResult]
     return None
 
 
-def result_of_ball_set(system: AssemblyArrays, i: int, state: MountedState, record: SolveRecord) -> SetResult:
+def result_of_ball_set(
+    system: AssemblyArrays,
+    ball_set: BallSet,
+    state: MountedState,
+    report: SolverReport,
+    contacts: ContactState,
+    stiffness: Array,
+) -> SetResult:
     """Return the result of one ball nut or ball bearing: contacts, and force and moment on the shaft and on nut or ring.
 
     Parameters
     ----------
     system
         Arrays of the assembly.
-    i
-        Number of the nut or bearing among those with balls.
+    ball_set
+        The nut or bearing.
     state
         Motions of shaft nodes and housings, and all contacts.
-    record
-        Data of the finished solve: its status, effort, stiffness, assumptions.
+    report
+        Effort and accuracy of the solve.
+    contacts
+        Contacts of the nut or bearing.
+    stiffness
+        Tangent stiffness ``(6, 6)`` [N/m, N, N m] of the nut or bearing, without shaft and housing.
     """
-    b = system.ball_sets[i]
-    problem = b.problem
-    every = state.contacts.force[0], state.contacts.normal[0], state.centres
-    force, normal, p = (x[b.ball_indices].copy() for x in every)
-    shifts = record.flank_motions[i] if problem.drawn.profile_coefficients.shape[1] else None
-    motion = state.q[: problem.nodes.size]
-    largest = float(force.max(initial=0.0))
-    solved = SolvedState(problem, motion, p, force, normal, np.zeros(motion.shape), shifts, largest)
-    deep = b.of.thrust == "deep groove"
-    result = summary.contact_result(solved, problem.nodes, motion, record.report, arc_on_both_sides=deep)
-    forces = -result.force_direction * force[..., None]
-    points, at = result.contact_point, b.of.position
-    on_shaft, back = (_resultant_about_axis_point(points[:, x], forces[:, x], at) for x in (slice(2), slice(2, 4)))
-    outer = _outer_part_motion(b.of, b.outer_body_row, state, system.structure.body_positions)
-    return SetResult(b.of, *on_shaft, np.concatenate(back), record.set_stiffnesses[i], outer, result)
+    of, nodes = ball_set.of, system.structure.nodes
+    deep = of.thrust == "deep groove"
+    result = summary.contact_result(contacts, nodes, state.q[: nodes.size], report, arc_on_both_sides=deep)
+    forces, points = -result.force_direction * contacts.force[..., None], result.contact_point
+    on_shaft, back = (_resultant_about_axis_point(points[:, x], forces[:, x], of.position) for x in (slice(2), slice(2, 4)))
+    outer = _outer_part_motion(of, ball_set.outer_body_row, state, system.structure.body_positions)
+    return SetResult(of, *on_shaft, np.concatenate(back), stiffness, outer, result)
 
 
 def result_of_roller_bearing(roller_set: RollerSet, state: MountedState, stations: Array) -> SetResult:
@@ -266,16 +275,16 @@ def _resultant_about_axis_point(points: Array, forces: Array, station: float) ->
 
 
 def _check_shaft_equilibrium(
-    system: AssemblyArrays, state: MountedState, record: SolveRecord, sets: tuple[SetResult, ...]
+    system: AssemblyArrays, state: MountedState, reactions: Array, largest: float, sets: tuple[SetResult, ...]
 ) -> Equilibrium:
     """Return the check of the shaft's equilibrium under external loads, reactions, and forces of bearings and nuts.
 
-    ``state``: solved motions; ``record``: data of the finished solve; ``sets``: results of the bearings and nuts.
+    ``state``: solved motions; ``reactions`` ``(r, 6)`` [N, N m]: at the fixed degrees of freedom; ``largest``: largest
+    force in the model [N]; ``sets``: results of the bearings and nuts.
     """
     nodes = system.structure.nodes
     applied, contact = summary.resultant_of_loads(system.assembly.loads), np.zeros(6)
-    reaction = summary.resultant_about_origin(nodes, record.support_reactions[: nodes.size])
-    largest = record.residual_force_scale
+    reaction = summary.resultant_about_origin(nodes, reactions[: nodes.size])
     for s in (x for x in sets if x.of.carrier is None):
         contact += rigid_motion_transfer_matrix(s.of.position).T @ np.concatenate([s.force, s.moment])
         contacts = 0.0 if s.balls is None else float(s.balls.load.max(initial=0.0))
@@ -288,7 +297,7 @@ def _check_shaft_equilibrium(
 
 
 def _result_of_housing(
-    system: AssemblyArrays, i: int, sets: tuple[SetResult, ...], q: Array, record: SolveRecord
+    system: AssemblyArrays, i: int, sets: tuple[SetResult, ...], q: Array, reactions: Array, largest: float
 ) -> HousingResult:
     """Return the result of one housing: its motion, the forces of supports and springs on it, and the unbalanced force.
 
@@ -305,8 +314,10 @@ def _result_of_housing(
         Results of bearings and nuts.
     q
         Motions of shaft nodes and moving housings ``(r, 6)`` [m, rad].
-    record
-        Data of the finished solve: its status, effort, stiffness, assumptions.
+    reactions
+        Forces and moments at the fixed degrees of freedom of shaft nodes and moving housings ``(r, 6)`` [N, N m].
+    largest
+        Largest force in the model [N].
     """
     structure = system.structure
     row = structure.nodes.size + i
@@ -324,10 +335,10 @@ def _result_of_housing(
             carried += reach @ s.reaction
         if s.of.carrier == name:
             carried += reach @ np.concatenate([s.force, s.moment])
-    wrench = record.support_reactions[row] + springs
+    wrench = reactions[row] + springs
     balance = structure.load[row] + carried + wrench
     forces = structure.load[row], wrench, *(s.force for s in sets if name in (s.of.housing, s.of.carrier))
-    size = max(record.residual_force_scale, *(float(np.abs(x[:3]).max()) for x in forces))
+    size = max(largest, *(float(np.abs(x[:3]).max()) for x in forces))
     left = max(float(np.abs(balance[:3]).max()), float(np.abs(balance[3:]).max()) / system.moment_arm)
     return HousingResult(name, q[row].copy(), wrench, left / size if size > NO_FORCE else 0.0)
 

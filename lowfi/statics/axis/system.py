@@ -21,8 +21,9 @@ from rollbench.lowfi.hertz import contact_force
 from rollbench.lowfi.rollers import slice_middles, tapered_bearing_of_row
 from rollbench.lowfi.statics import problem as statics_problem
 from rollbench.lowfi.statics.axis.structure import Structure, build_structure
+from rollbench.lowfi.statics.problem import ContactState
 from rollbench.lowfi.statics.rolling_elements import Balls, Contacts, Rollers
-from rollbench.lowfi.statics.settle import ContactState, ResidualScale
+from rollbench.lowfi.statics.settle import ResidualScale
 from rollbench.lowfi.statics.shape import beam_interpolation_matrices
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
