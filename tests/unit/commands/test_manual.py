@@ -78,15 +78,27 @@ class Service:
 
     def run(self, job: dict[str, Any], known: dict[str, str], wanted: str, study: int = 0) -> int:
         """Run the steps of a job in an empty folder, and return the exit code of the step that failed, or 0."""
-        work, failed, output = self.folder / "work", 0, self.folder / "output"
+        work = self.folder / "work"
         shutil.rmtree(work, ignore_errors=True)
         work.mkdir()
+        return self.run_steps(job["steps"], known, wanted, study)
+
+    def run_steps(self, steps: list[dict[str, Any]], known: dict[str, str], wanted: str, study: int) -> int:
+        """Run steps, those of this project's action of the reference one by one, and return as `run` does."""
+        work, failed, output = self.folder / "work", 0, self.folder / "output"
         there = {"PATH": f"{self.folder / 'bin'}:{os.environ['PATH']}", "WANTED": wanted, "STUDY": str(study)}
-        for step in job["steps"]:
+        for step in steps:
             if not self.applies(step.get("if", ""), known, failed=bool(failed)):
                 continue
             action, given = step.get("uses", ""), {k: self.value(v, known) for k, v in step.get("with", {}).items()}
             script, env = step.get("run"), {k: self.value(v, known) for k, v in step.get("env", {}).items()}
+            if "/actions/reference" in action:
+                inner = yaml.safe_load((ROOT / ".github/actions/reference/action.yml").read_text(encoding="utf-8"))
+                inputs = {name: one.get("default", "") for name, one in inner["inputs"].items()} | given
+                there_known = known | {f"inputs.{name}": text for name, text in inputs.items()}
+                failed = failed or self.run_steps(inner["runs"]["steps"], there_known, wanted, study)
+                for name, one in inner["outputs"].items():
+                    known[f"steps.{step.get('id')}.outputs.{name}"] = self.value(one["value"], there_known)
             if "/actions/check" in action:
                 steps = yaml.safe_load((ROOT / ".github/actions/check/action.yml").read_text(encoding="utf-8"))
                 script = next(one["run"] for one in steps["runs"]["steps"] if one.get("id") == "check")
