@@ -11,7 +11,7 @@ from pydantic import ConfigDict, Field, TypeAdapter, ValidationInfo, field_valid
 from pydantic_core import PydanticCustomError
 
 from rollbench.meshes import ranges
-from rollbench.meshes.parts import ASSUMED, FIRST, SOURCE, TITLE
+from rollbench.meshes.parts import ASSUMED, FIRST, SOURCE, TITLE, BallErrors, Balls, Motion
 from rollbench.meshes.record_keys import scene_key
 from rollbench.meshes.units import UnitError, parse_quantity
 
@@ -119,14 +119,17 @@ class SceneFileTable:
 
     __pydantic_config__: ClassVar[Any] = {"extra": "forbid"}
 
-    def __init_subclass__(cls) -> None:
-        """Make a dataclass of the subclass; fields of its record that are no keys are left out."""
+    def __init_subclass__(cls, only: tuple[str, ...] = ()) -> None:
+        """Make a dataclass of the subclass; fields of its record that are no keys are left out.
+
+        ``only``: names of those fields of the record that are keys; empty: all that have a description.
+        """
         own = inspect.get_annotations(cls)
         inherited: dict[str, Any] = {}
         for base in reversed(cls.__mro__[1:]):
             inherited |= base.__dict__.get("__dataclass_fields__", {})
         for name, of in inherited.items():
-            if name not in own and "description" not in of.metadata:
+            if name not in own and ("description" not in of.metadata or (only and name not in only)):
                 own = own | {name: ClassVar[Any]}
             elif name in own and name not in cls.__dict__:
                 setattr(cls, name, field(default=of.default, metadata=of.metadata))
@@ -222,16 +225,12 @@ class GrooveKeys(SceneFileTable):
         return self.groove_radius or (self.conformity or 0.0) * (2.0 * ball_radius)
 
 
-class BallSizeKeys(SceneFileTable):
+class BallSizeKeys(SceneFileTable, Balls):
     """Nominal size of the balls."""
 
-    radius: ranges.Radius = key("nominal ball radius")
 
-
-class BallOversizeKeys(SceneFileTable):
+class BallOversizeKeys(SceneFileTable, BallErrors, only=("oversize",)):
     """Deviation from the nominal ball radius that all balls have, such as an oversize for preload."""
-
-    oversize: ranges.Deviation = key("length added to the radius of every ball (preload if positive)", 0.0, "7 um")
 
 
 class CoulombFrictionKeys(SceneFileTable):
@@ -240,10 +239,8 @@ class CoulombFrictionKeys(SceneFileTable):
     coefficient: ranges.Coefficient = key("coefficient of friction between balls and grooves; may be zero")
 
 
-class RingSpeedKeys(SceneFileTable):
+class RingSpeedKeys(SceneFileTable, Motion, only=("speed",)):
     """Angular speed of the rotating ring of a bearing."""
-
-    speed: ranges.Turning = key("angular speed of the rotating part about +z; negative for the other direction")
 
 
 #: Pydantic's readers of tables, by the class of the table's keys.

@@ -433,13 +433,9 @@ class ShaftHeatingKeys(keys.SceneFileTable):
     expansion: Expansion = key("coefficient of thermal expansion per K", example=11.5e-6)
 
 
-class ShaftModelOptionKeys(keys.SceneFileTable, parts.Ingredients):
+class ShaftModelOptionKeys(keys.SceneFileTable, parts.Ingredients, only=("hertz", "section")):
     """Options of the low-order models of a shaft with nuts and bearings."""
 
-    screw: ClassVar[Any]  # type: ignore[misc]
-    element_length: ClassVar[Any]  # type: ignore[misc]
-    arm: ClassVar[Any]  # type: ignore[misc]
-    load_step: ClassVar[Any]  # type: ignore[misc]
     partition: Literal["nodal", "source"] = key(
         "nodes of the shaft's beam elements: at every contact, or 15 mm apart in every nut as in Lin's thesis",
         "nodal",
@@ -447,12 +443,11 @@ class ShaftModelOptionKeys(keys.SceneFileTable, parts.Ingredients):
     )
 
 
-class LoadCaseHousingKeys(keys.SceneFileTable, axis.Housing):
+class LoadCaseHousingKeys(keys.SceneFileTable, axis.Housing, only=("force", "moment")):
     """Loads on one of the scene's housings in one load case."""
 
     ONE_OF: ClassVar = parts.Load.ONE_OF
     name: ranges.Name = key("name of the housing in the scene", example="carriage")
-    at: ClassVar[Any]  # type: ignore[misc]
 
 
 class ShaftLoadCaseKeys(LoadCaseKeys):
