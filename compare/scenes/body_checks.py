@@ -174,7 +174,7 @@ def _reduced_section_faults(scene: Scene) -> Iterator[Fault]:
 
     The cross-section is reduced after Lin (2019), eqs. (C.6) to (C.8). A rigid screw has no such faults.
     """
-    if scene.ingredients.screw == "rigid":
+    if scene.ingredients.screw == "rigid" or scene.screw.groove_radius <= scene.balls.radius:  # the latter is told already
         return
     ratio = grooved_volume_ratio(scene)
     if ratio <= 0.0:
@@ -252,6 +252,8 @@ def _washer_faults(scene: Scene) -> Iterator[Fault]:
 
 def _solid_table_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the faults of the table ``[solid]``, the dimensions that only the 3D finite-element model uses."""
+    if min(scene.screw.groove_radius, scene.nut.groove_radius) <= scene.balls.radius:
+        return  # told already: such a groove has no depth
     solid, R = scene.solid, scene.track.pitch_radius
     of_screw, of_nut = largest_groove_depths(scene)
     yield from _washer_faults(scene)

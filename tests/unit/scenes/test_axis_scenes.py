@@ -116,3 +116,10 @@ def test_a_ring_whose_land_does_not_cut_its_groove_is_a_fault_of_its_diameter() 
     del tables["sets"][1]["screw"]["outer_diameter"]
     with pytest.raises(SceneError, match=r"sets\[1\]\.screw\.outer_diameter: got nothing; allowed: above 38.856 mm, below"):
         scene_tables.scene_from_tables(tables, "axis.toml")
+
+
+def test_a_groove_far_smaller_than_its_balls_is_one_fault() -> None:
+    tables = tomllib.loads(catalogue.shipped_scene_text("axis-fixed-fixed"))
+    tables["sets"][0]["screw"] = {"groove_radius": "1 mm"}
+    with pytest.raises(SceneError, match=r"sets\[0\]\.screw\.groove_radius: got .1 mm.; allowed: a groove radius above"):
+        scene_tables.scene_from_tables(tables, "axis.toml")
