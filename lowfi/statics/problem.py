@@ -251,15 +251,6 @@ def place_balls(scene: Scene, drawn: GeometryWithErrors | GeometriesWithErrors) 
     return PlacedBalls(to_ball, distance, np.asarray(approach), closure)
 
 
-def largest_interference(problem: Problem) -> float:
-    """Return the largest nominal interference of a ball with a diagonal pair of flanks [m].
-
-    Zero if all balls have clearance, or if the interference is within the round-off of the coordinates.
-    """
-    closed = float(problem.interference.max(initial=0.0))
-    return closed if closed > round_off_approach(problem) else 0.0
-
-
 def round_off_approach(problem: Problem) -> float:
     """Return the contact approach [m] up to which a contact may be round-off: 16 machine epsilons times a ball radius.
 

@@ -79,7 +79,8 @@ class ScrewPairSolution:
     @property
     def friction_increase(self) -> float:
         """Relative increase of the total friction loss by ball-to-ball contact; nan without friction."""
-        return _ratio_or_nan(self.touching.motion.loss, self.apart.motion.loss) - 1.0
+        touching, apart = self.touching.motion.loss, self.apart.motion.loss
+        return touching / apart - 1.0 if apart > 0.0 else float("nan")
 
     @property
     def approach_speed_when_apart(self) -> float:
@@ -99,11 +100,6 @@ class ScrewPairSolution:
     def converged(self) -> bool:
         """Whether the solutions without and with ball-to-ball contact both converged."""
         return self.apart.converged and self.touching.converged
-
-
-def _ratio_or_nan(amount: float, whole: float) -> float:
-    """Return the ratio of ``amount`` to ``whole``; nan if ``whole`` is not positive."""
-    return amount / whole if whole > 0.0 else float("nan")
 
 
 def solve_pair_of_screw_balls(pair: Pair, guess: IterationStart | None = None) -> ScrewPairSolution:

@@ -130,13 +130,10 @@ class AssemblyEquations(StaticEquations):
 
     def contact_states(self) -> Sequence[ContactState]:
         """Return contact forces, ball centres and flank motions of each bearing and nut, as the iteration has them now."""
-        forces = self.state.forces
-        return axis_system.contact_states_of_sets(
-            self.assembly_arrays,
-            forces.contacts,
-            forces.centres[0],
-            self.state.motions[0, : self.assembly_arrays.ball_count],
-        )
+        forces, arrays = self.state.forces, self.assembly_arrays
+        contacts, moved = forces.contacts, self.state.motions[0, : arrays.ball_count]
+        of = contacts.force[0], contacts.normal[0], contacts.tangential[0], forces.centres[0], moved
+        return [ContactState(b.problem, *(x[b.ball_indices] for x in of)) for b in arrays.ball_sets]
 
     def with_lever_arms(self, arms: Sequence[Array]) -> Self:
         """Return these equations with other lever arms of the contact forces; the next solution starts from this state.
@@ -566,22 +563,6 @@ def elastic_bodies(
     return DenseBodies(free, Compliances(first.G[None], second.G[None])), lent, max(low, high) / tangent
 
 
-def screw_flank_motions_per_rigid_motion(ball_set: BallSet, stations: Array) -> Array:
-    """Return the motions ``(N, 2, 2, 6)`` of the screw's flanks at N balls per unit of the screw's six rigid motions.
-
-    In a bearing, the inner ring takes the screw's place. The rigid motion is taken at the axial position of the nut or
-    bearing.
-
-    Parameters
-    ----------
-    ball_set
-        The ball nut or bearing, with N balls.
-    stations
-        Axial positions of all shaft nodes and moving housings [m].
-    """
-    return ball_set.flank_motions(rigid_motion_transfer_matrix(stations - ball_set.of.position))[:, :2]
-
-
 def stiffness_of_nut_or_bearing(ball_set: BallSet, stations: Array, S: Array, own: tuple[Array, Array] | None) -> Array:
     """Return the stiffness ``(6, 6)`` [N/m, N, N m] between screw and nut, or between the rings of a bearing.
 
@@ -601,7 +582,7 @@ def stiffness_of_nut_or_bearing(ball_set: BallSet, stations: Array, S: Array, ow
     """
     N = S.shape[1]
     v, none = np.zeros((N, 4, 2, 6)), FreeMotions(np.zeros((1, N, 4, 2)), np.zeros((1, N, 4, 2, 0)), np.zeros((1, 0)))
-    v[:, :2] = screw_flank_motions_per_rigid_motion(ball_set, stations)
+    v[:, :2] = ball_set.flank_motions(rigid_motion_transfer_matrix(stations - ball_set.of.position))[:, :2]
     first, second = own or (np.zeros((0, 0)), np.zeros((0, 0)))
     found = small_response(DenseBodies(none, Compliances(first[None], second[None])), S, v, np.zeros((0, 6)))
     assert found is not None

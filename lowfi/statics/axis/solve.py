@@ -25,7 +25,7 @@ from rollbench.lowfi.statics.axis.mount import replace_preload_forces_by_offsets
 from rollbench.lowfi.statics.axis.system import AssemblyArrays, BallSet, MountedState
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.problem import place_balls
-from rollbench.lowfi.statics.result import AxisResult, Status
+from rollbench.lowfi.statics.result import AxisResult, SolverReport, Status
 from rollbench.lowfi.statics.selection import groove_arc_motions_in_section_planes, solutions_clear_of_left_out_flanks
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
 from rollbench.meshes.arrays import Array, Mask
@@ -128,7 +128,7 @@ def are_balls_clear_of_left_out_flanks(system: AssemblyArrays, state: MountedSta
         problem, used = b.problem, b.problem.used_flanks
         if not np.any(axis_system.USE[b.of.thrust] & ~used):
             continue
-        shift = axis_system.flank_motions_of_set(b, state.q)
+        shift = b.v0 + b.flank_motions(state.q)
         for s in np.flatnonzero(~used[:2]) if b.of.carrier is None else ():
             shift[:, s] = _left_out_flank_motion(system, b, int(s), state.q)
         load, centres = state.contacts.force[:, b.ball_indices], state.centres[None, b.ball_indices]
@@ -223,7 +223,8 @@ def solve_assembly_by_model(
 
     def result_without_equilibrium(status: Status) -> AxisResult:
         """Return the result of an assembly without equilibrium, with the ``status`` that gives the reason."""
-        return summary.axis_result_without_equilibrium(assembly, model.name, status, perf_counter() - start, model.assumed)
+        report = SolverReport(0, 0, float("nan"), perf_counter() - start, 0, 0, "none")
+        return AxisResult(model=model.name, status=status, solver=report, assumed=(*assembly.assumed, *model.assumed))
 
     mounted, notes, unmet = replace_preload_forces_by_offsets(assembly, solve_same_model)
     if unmet:

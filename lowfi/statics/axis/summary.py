@@ -21,7 +21,7 @@ from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix
 from rollbench.lowfi.statics.validity import contact_warnings, large_tilt_warning, rotation_warning
 from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
+from rollbench.meshes.axis import RollerRow, RollingSet
 from rollbench.meshes.section import BeamSection
 
 #: Assumptions of every result of Lin's low-order model on a shaft with several bearings and nuts.
@@ -341,28 +341,6 @@ def _result_of_housing(
     size = max(largest, *(float(np.abs(x[:3]).max()) for x in forces))
     left = max(float(np.abs(balance[:3]).max()), float(np.abs(balance[3:]).max()) / system.moment_arm)
     return HousingResult(name, q[row].copy(), wrench, left / size if size > NO_FORCE else 0.0)
-
-
-def axis_result_without_equilibrium(
-    assembly: Assembly, model: str, status: Status, seconds: float, assumed: tuple[str, ...] = AXIS_ASSUMPTIONS
-) -> AxisResult:
-    """Return the result of an assembly without equilibrium: its status gives the reason, and there are no loads.
-
-    Parameters
-    ----------
-    assembly
-        Shaft with bearings and ball nuts.
-    model
-        Name of the model.
-    status
-        Status, which gives the reason why there is no equilibrium.
-    seconds
-        Computing time [s].
-    assumed
-        Assumptions of the model.
-    """
-    report = SolverReport(0, 0, float("nan"), seconds, 0, 0, "none")
-    return AxisResult(model=model, status=status, solver=report, assumed=(*assembly.assumed, *assumed))
 
 
 def roller_warnings(set_result: SetResult, z: Array, motion: Array) -> tuple[ResultWarning, ...]:

@@ -21,7 +21,6 @@ from rollbench.lowfi.hertz import contact_force
 from rollbench.lowfi.rollers import slice_middles, tapered_bearing_of_row
 from rollbench.lowfi.statics import problem as statics_problem
 from rollbench.lowfi.statics.axis.structure import Structure, build_structure
-from rollbench.lowfi.statics.problem import ContactState
 from rollbench.lowfi.statics.rolling_elements import Balls, Contacts, Rollers
 from rollbench.lowfi.statics.settle import ResidualScale
 from rollbench.lowfi.statics.shape import beam_interpolation_matrices
@@ -361,39 +360,6 @@ def replace_lever_arms(system: AssemblyArrays, arms: Sequence[Array]) -> Assembl
     return replace(system, ball_sets=balls, balls=every, prescribed_flank_motions=motions)
 
 
-def contact_states_of_sets(
-    system: AssemblyArrays, contacts: Contacts, centres: Array, motions: Array
-) -> list[ContactState]:
-    """Return contact forces, ball centres and flank motions of each ball nut and ball bearing.
-
-    Parameters
-    ----------
-    system
-        Arrays of the assembly with N balls.
-    contacts
-        Contacts of all balls, of one member.
-    centres
-        Displacements of the ball centres ``(N, 2)`` [m].
-    motions
-        Motions ``(N, 4, 2)`` [m] of the flanks of all balls.
-    """
-    of = contacts.force[0], contacts.normal[0], contacts.tangential[0], centres, motions
-    return [ContactState(b.problem, *(x[b.ball_indices] for x in of)) for b in system.ball_sets]
-
-
-def flank_motions_of_set(ball_set: BallSet, q: Array) -> Array:
-    """Return the motions ``(N, 4, 2)`` [m] of the flanks of one ball nut or bearing, prescribed offsets included.
-
-    Parameters
-    ----------
-    ball_set
-        The ball nut or bearing, with N balls.
-    q
-        Motions ``(r, 6)`` [m, rad] of the r bodies: shaft nodes and moving housings.
-    """
-    return np.asarray(ball_set.v0 + ball_set.flank_motions(q))
-
-
 def _all_balls(sets: list[BallSet]) -> tuple[Balls, Array]:
     """Return the balls of all nuts and bearings as one member, and the prescribed motions of their flanks.
 
@@ -485,7 +451,9 @@ def preload_approach(ball_set: BallSet) -> float:
     """
     problem, offset = ball_set.problem, ball_set.of.offset
     shift = {"+z": -offset, "-z": offset}.get(ball_set.of.thrust, abs(offset))
-    return max(statics_problem.largest_interference(problem), shift * float(np.sin(problem.scene.track.contact_angle)))
+    closed = float(problem.interference.max(initial=0.0))
+    squeezed = closed if closed > statics_problem.round_off_approach(problem) else 0.0
+    return max(squeezed, shift * float(np.sin(problem.scene.track.contact_angle)))
 
 
 def mean_load_per_rolling_element(system: AssemblyArrays) -> float:
