@@ -280,28 +280,6 @@ def solve_ball_by_lin_method(
     return replace(least, motion=motion, inner_ring_torque=motion.loss / bearing.screw_speed)
 
 
-def solve_ball_over_displacements(
-    bearing: Bearing, axial_force: float, radial_displacements: Array, law: SigmoidLaw | None = None
-) -> list[BearingBallSolution]:
-    """Return contact loads and friction of one ball for several radial displacements of the inner ring (Lin's Figure 3.7).
-
-    Parameters
-    ----------
-    bearing
-        The bearing.
-    axial_force
-        Axial force on the inner ring [N].
-    radial_displacements
-        Radial displacements of the inner ring towards the ball ``(n,)`` [m].
-    law
-        Lin's sigmoid friction law, if the ball is to be solved by Lin's method; None for the motion of least dissipation
-        with Coulomb friction.
-    """
-    if law is None:
-        return solve_balls_of_bearing(bearing, axial_force, radial_displacements)
-    return [solve_ball_by_lin_method(bearing, axial_force, float(u), law) for u in radial_displacements]
-
-
 #: Names of the inner ring's degrees of freedom (translations, then rotations) in the order of the unknowns; relative size
 #: below which a value counts as round-off.
 UNKNOWNS, RANK = ("ux", "uy", "uz", "rx", "ry"), 1e-9

@@ -280,11 +280,6 @@ class LinearPairSolution:
         return float(self.velocity_deviation[0] - self.velocity_deviation[1])
 
     @property
-    def friction_increase(self) -> float:
-        """Relative increase of the friction losses, and of the drive force, by contact of the two balls with each other."""
-        return self.touching.loss / self.apart.loss - 1.0
-
-    @property
     def groove_and_ball_loss_ratio(self) -> float:
         """One plus the ratio of the loss between the balls to the loss at the grooves (Lin Figure 3.15 (c)).
 

@@ -18,7 +18,8 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_entry, printed_value
 from rollbench.compare.sections.curves import scale_to_python_floats as floats
-from rollbench.lowfi.friction.bearing import SIDES, BearingBallSolution, BearingTorqueCurve, solve_ball_over_displacements
+from rollbench.lowfi.friction import bearing as rotary_bearing
+from rollbench.lowfi.friction.bearing import SIDES, BearingBallSolution, BearingTorqueCurve
 from rollbench.lowfi.friction.linear.chain import LinearPairResultsOverGrid, ModelAndFormula, pair_results_over_grid
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import Run, contact_angle_deviation, summarise_screw_run
@@ -109,9 +110,9 @@ def root_finding_table() -> Table:
 def rotary_bearing_torque_figure() -> Figure:
     """Draw Lin's Figure 3.7: forces, torque, losses and ball rotation over the ring's radial displacement."""
     u = 1e-6 * np.concatenate([np.linspace(0.0, 4.0, 9), np.linspace(4.05, 6.0, 40), np.linspace(6.2, 10.0, 20)])
-    laws_of_solver = (), (rotary_linear.PRINTED_LAW,)
-    bearing, axial = rotary_linear.ROTARY, rotary_linear.AXIAL
-    true, printed = (solve_ball_over_displacements(bearing, axial, u, *law) for law in laws_of_solver)
+    bearing, axial, law = rotary_linear.ROTARY, rotary_linear.AXIAL, rotary_linear.PRINTED_LAW
+    true = rotary_bearing.solve_balls_of_bearing(bearing, axial, u)
+    printed = [rotary_bearing.solve_ball_by_lin_method(bearing, axial, float(x), law) for x in u]
     good = np.array([s.motion.status == "exact" for s in printed])
     x, label = floats(u, 1e6), "u_y / µm"
     marks = [1e6 * v for v in rotary_linear.CASES.values()]
