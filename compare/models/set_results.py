@@ -457,7 +457,8 @@ class SetResult(Balls):
         """Return all quantities as JSON; empty without equilibrium."""
         if self.loads is None and self.roller_loads is None:
             return {}
-        return record_as_json(self) | (record_as_json(self.rigidities) or {"rigidities_N_per_um": None})
+        data = record_as_json(self) | (record_as_json(self.rigidities) or {"rigidities_N_per_um": None})
+        return {key: data[key] for key in ("sides", "loads")} | data
 
     def ball_rows(self) -> Iterator[BallResult]:
         """Yield position, loads, contact angles and pressures of every ball, numbered from 1."""

@@ -367,7 +367,7 @@ class Result(Record, Balls):
         return np.degrees(found)
 
     def to_dict(self) -> dict[str, JSON]:
-        """Return the result as a dictionary, as ``rollbench solve --json`` prints it.
+        """Return the result as a dictionary, as ``rollbench solve --json`` prints it, with the stiffness that it contains.
 
         Returns
         -------
