@@ -300,13 +300,13 @@ class TabularRecord(Record):
     def figure(self) -> FigureContent | None:
         """Return the figure that `plot` draws, as the report draws it; None if there is nothing to draw."""
 
-    def columns(self) -> dict[str, list[Any]]:
+    def columns(self) -> dict[str, Any]:
         """Return the columns of `to_dataframe` without pandas.
 
         Returns
         -------
         dict
-            List of each column, by its name; all lists have the same length. None where a row has no value.
+            List or array of each column, by its name; all have the same length. None where a row has no value.
         """
         rows = self.frame_rows()
         return {name: [row.get(name) for row in rows] for name in dict.fromkeys(name for row in rows for name in row)}
@@ -338,7 +338,7 @@ class TabularRecord(Record):
         """
         import pandas
 
-        frame = pandas.DataFrame(self.columns())
+        frame = pandas.DataFrame({name: list(column) for name, column in self.columns().items()})
         frame.attrs |= {"units": self.units(), "values": dict(_single_values(self.to_dict()))}
         return frame
 

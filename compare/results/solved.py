@@ -33,7 +33,14 @@ from rollbench.compare.models.stiffness import (
     stiffness_together,
 )
 from rollbench.compare.quantities import count_with_noun, json_number, record_as_json
-from rollbench.compare.results.base import JSON, Record, Row, add_schema_version, format_table_as_html, warn_of_deprecation
+from rollbench.compare.results.base import (
+    JSON,
+    Row,
+    TabularRecord,
+    add_schema_version,
+    format_table_as_html,
+    warn_of_deprecation,
+)
 from rollbench.compare.results.rows import (
     bearing_and_nut_rows,
     duty_cycle_rows,
@@ -57,15 +64,12 @@ from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 if TYPE_CHECKING:
-    import pandas
-    from matplotlib.figure import Figure
-
     from rollbench.compare.reference.estimate import Reference
     from rollbench.lowfi.bearings.torque import BallBearingTorque
     from rollbench.lowfi.rating.catalogue_checks import ShaftLimits
     from rollbench.lowfi.rating.iso_lives import ModifiedLife, ReferenceLife
     from rollbench.lowfi.rating.life import SystemLife
-    from rollbench.reports.content import LoadCaseView, SceneView
+    from rollbench.reports.content import Figure, LoadCaseView, Panel, SceneView
 
 #: JSON keys of a nut or bearing that are not repeated in the summary of the whole shaft.
 OF_A_SET = ("sides", "nut", "preload", "starting_torque", "bearing_torque", "clearance", "roller_torque")
@@ -138,7 +142,7 @@ class AxisPointDisplacement:
 
 
 @result_record(eq=False, repr=False, kw_only=True)
-class Result(Record, Balls):
+class Result(TabularRecord, Balls):
     """Results of a low-order model for a scene: contact loads, displacement, stiffness, pressures and life.
 
     If there is no equilibrium, the results are None, and `status` and `reason` say why. `sets` has the results of each nut
@@ -430,25 +434,15 @@ class Result(Record, Balls):
         of_axis = StiffnessAtPosition(found.station, str(found.status), FREEDOMS, found.stiffness)
         return {"at": found.stiffness_at} | record_as_json(of_axis)
 
-    def to_dataframe(self) -> pandas.DataFrame:
-        """Return a pandas data frame with a row for every ball.
+    def frame_rows(self) -> Sequence[Mapping[str, Any]]:
+        """Return a row for every ball: number and position, then load, contact angle and pressure on each groove flank.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Number and position of the ball, then contact load, contact angle and pressure on each groove flank in SI units.
-            With several nuts, bearings or load cases, the first columns have their names.
-
-        Raises
-        ------
-        ImportError
-            If pandas is not installed.
+        Units are SI. With several nuts, bearings or load cases, the first columns have their names.
         """
-        import pandas
+        columns = self.columns()
+        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
-        return pandas.DataFrame(self.columns())
-
-    def columns(self) -> dict[str, Array | list[str]]:
+    def columns(self) -> dict[str, Any]:
         """Return the columns of `to_dataframe` without pandas.
 
         Returns
@@ -468,43 +462,40 @@ class Result(Record, Balls):
             return _ball_contact_columns(self.only)
         return _stack_columns("set", {name: _ball_contact_columns(one) for name, one in self.sets.items()})
 
-    def plot(self) -> Figure:
-        """Draw the contact loads over the ball number, in a panel for each nut or bearing and each load case.
+    def units(self) -> dict[str, str]:
+        """Return the SI unit of each column of `columns` by its name; columns without unit are left out.
 
         Returns
         -------
-        matplotlib.figure.Figure
-            Figure that is independent of pyplot; save it by ``plot().savefig("loads.svg")``.
-
-        Raises
-        ------
-        ValueError
-            If there are no loads.
-        ImportError
-            If matplotlib is not installed.
+        dict
+            Unit of each column, such as "N", by the column's name.
         """
-        from matplotlib.figure import Figure
+        found = {name: name.rpartition("_")[2] for name in self.columns()}
+        return {name: unit for name, unit in found.items() if unit in ("N", "Pa", "m", "rad")}
 
-        panels = list(self._contact_loads_by_panel(""))
-        if not panels:
-            raise ValueError(f"{self.scene}: no loads to draw ({self.status}{f', {self.reason}' if self.reason else ''})")
-        figure = Figure(figsize=(7.0, 3.2 * len(panels)), layout="constrained")
-        for axes, (title, loads) in zip(figure.subplots(len(panels), squeeze=False)[:, 0], panels, strict=True):
-            for side, load in zip(SIDES, loads.T, strict=True):
-                if (load > 0.0).any():
-                    axes.plot(np.arange(1, load.size + 1), load, ".-", label=side)
-            axes.set(title=title, xlabel="ball", ylabel="contact load / N")
-            axes.legend()
-        return figure
+    def figure(self) -> Figure | None:
+        """Return the figure of the contact loads: a panel for each loaded flank of each nut, bearing and load case."""
+        from rollbench.reports.content import Figure
 
-    def _contact_loads_by_panel(self, case: str) -> Sequence[tuple[str, Array]]:
-        """Return title and contact loads (n, 4) [N] of each panel of the figure that `plot` draws.
+        panels = self._panels()
+        title = f"{self.scene}: contact loads by {model_title(self.model)}"
+        return Figure("loads", title, panels) if panels else None
 
-        There is a panel for each nut or bearing and each load case. ``case``: text on the load case, added to the titles.
-        """
-        each = {f", {name}" if name else "": one.loads for name, one in self.sets.items()}
-        model = model_title(self.model)
-        return [(f"{self.scene}{case}{of}, {model}", loads) for of, loads in each.items() if loads is not None]
+    def _panels(self, case: str = "") -> list[Panel]:
+        """Return the panels of `figure`; ``case``: name of the load case, before that of the nut or bearing."""
+        from rollbench.reports.content import Panel, Series
+
+        found = []
+        for name, one in self.sets.items():
+            loads = np.zeros((0, len(SIDES))) if one.loads is None else one.loads
+            balls = list(range(1, len(loads) + 1))
+            for j in np.flatnonzero((loads > 0.0).any(axis=0)):
+                title = ", ".join(filter(None, (case, name, f"flank {SIDES[j]}")))
+                series = (Series("", balls, loads[:, j].tolist()),)
+                found.append(
+                    Panel(title, "number of the ball", "contact load / N", series, include_zero=True, integer_x=True)
+                )
+        return found
 
     def view(self, path: str | Path) -> Path:
         """Write an HTML page that shows the loaded screw in 3D in a browser, as ``rollbench view`` does.
@@ -748,13 +739,13 @@ class CycleResult(Result):
         sets = [{"name": x.set} | record_as_json(x) for x in lives]
         return record_as_json(self.together) | record_as_json(self.together.shortest_lives) | {"sets": sets}
 
-    def columns(self) -> dict[str, Array | list[str]]:
+    def columns(self) -> dict[str, Any]:
         """Return the columns of `to_dataframe` without pandas: those of each load case, and the name of the case."""
         return _stack_columns("case", {name: one.columns() for name, one in self.cases.items()})
 
-    def _contact_loads_by_panel(self, case: str) -> Sequence[tuple[str, Array]]:
-        """Return title and contact loads (n, 4) [N] of each panel of the figure that `plot` draws."""
-        return [panel for name, one in self.cases.items() for panel in one._contact_loads_by_panel(f"{case}, case {name}")]
+    def _panels(self, case: str = "") -> list[Panel]:
+        """Return the panels of `figure`, those of all load cases."""
+        return [p for name, one in self.cases.items() for p in one._panels(", ".join(filter(None, (case, name))))]
 
     def table(self) -> Sequence[Row]:
         """Return the rows of the table with the quantities of all load cases together."""

@@ -129,7 +129,7 @@ def test_without_equilibrium_there_are_no_answers() -> None:
         assert getattr(lost, name) is None, name
     assert lost.columns() == {}
     assert "loads: none" in repr(lost)
-    with pytest.raises(ValueError, match="no loads to draw"):
+    with pytest.raises(ValueError, match="nothing to draw"):
         lost.plot()
 
 
