@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Flag, Json, Verbose, Word, app
+from rollbench.compare.commands.terminal import Flag, Json, Verbose, Word, app, check_plot_file, write_plot
 from rollbench.compare.errors import one_line
 from rollbench.compare.text.printing import CommandOutput, print_command_output, selected_columns_table, text_width
 
@@ -27,6 +27,7 @@ def friction(
     member: int = 0,
     condensed: Path | None = None,
     balls: Flag = False,
+    plot: Path | None = None,
     time_limit: float | None = None,
     strict: Flag = False,
     verbose: Verbose = False,
@@ -55,6 +56,8 @@ def friction(
         model "condensed".
     balls
         Also print motion, loads and losses of every ball.
+    plot
+        File for a figure, SVG: power that each ball loses on each flank, so that one sees which flank takes it.
     time_limit
         Stop after this many seconds, with exit code 1. Default: no limit.
     strict
@@ -68,7 +71,9 @@ def friction(
     from rollbench.compare.studies.friction.whole import FrictionChoices
 
     choices = FrictionChoices(model, tuple(mu or ()), member, condensed)
-    found = solve_and_report_friction(scene, choices, balls=balls, details=verbose, time_limit=time_limit, strict=strict)
+    found = solve_and_report_friction(
+        scene, choices, balls=balls, plot=plot, details=verbose, time_limit=time_limit, strict=strict
+    )
     return print_command_output(found, as_json)
 
 
@@ -77,25 +82,31 @@ def solve_and_report_friction(
     choices: FrictionChoices,
     *,
     balls: bool = False,
+    plot: Path | None = None,
     details: bool = False,
     time_limit: float | None = None,
     strict: bool = False,
 ) -> CommandOutput:
     """Compute the friction in a scene of any kind, and return what is printed; InputError if the scene cannot be used.
 
-    ``choices``: model, coefficients of friction and number of the specimen. ``balls``, ``details``: see
-    `friction_terminal_parts`. ``time_limit``: longest computing time [s], None for no limit. The exit code is 1 if the
-    computation did not converge or reached the time limit, and, with ``strict``, if there is a warning.
+    ``choices``: model, coefficients of friction and number of the specimen. ``plot``: file for a figure, or None.
+    ``balls``, ``details``: see `friction_terminal_parts`. ``time_limit``: longest computing time [s], None for no limit.
+    The exit code is 1 if the computation did not converge or reached the time limit, and, with ``strict``, if there is a
+    warning.
     """
     from rollbench.compare.results.base import add_schema_version
+    from rollbench.compare.results.data import friction_record_from_json
     from rollbench.compare.running import checked_time_limit, watch_running_time
     from rollbench.compare.studies.friction.solve import friction_answer_json, solve_friction_of_named_scene
 
+    if plot is not None:
+        check_plot_file(plot)
     with watch_running_time(f"{one_line(name)}, friction", checked_time_limit(time_limit)):
         found = solve_friction_of_named_scene(name, choices)
     code = 1 if not found.converged or (strict and found.warning) else 0
-    parts = friction_terminal_parts(found, balls=balls, details=details)
-    return CommandOutput(add_schema_version(friction_answer_json(found)), parts, code, wrap_always=True)
+    parts, data = friction_terminal_parts(found, balls=balls, details=details), friction_answer_json(found)
+    parts += [] if plot is None else [write_plot(plot, friction_record_from_json(data))]
+    return CommandOutput(add_schema_version(data), parts, code, wrap_always=True)
 
 
 def friction_terminal_parts(answer: FrictionAnswer, *, balls: bool = False, details: bool = False) -> list[RenderableType]:

@@ -14,7 +14,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Flag, Json, ProgramOptions, Verbose, Word, app, model_or_program_name
+from rollbench.compare.commands.terminal import (
+    Flag,
+    Json,
+    ProgramOptions,
+    Verbose,
+    Word,
+    app,
+    check_plot_file,
+    model_or_program_name,
+    write_plot,
+)
 from rollbench.compare.errors import ArgumentError, one_line
 from rollbench.compare.running import show_progress_message
 from rollbench.compare.text.printing import CommandOutput, print_command_output, ruled_table
@@ -52,6 +62,8 @@ class SolveOptions:
     matrix: Path | None = None
     #: File for the contact loads; None: not written.
     loads_csv: Path | None = None
+    #: File for the figure of the result; None: not drawn.
+    plot: Path | None = None
     #: Longest computing time [s]; None: no limit.
     time_limit: float | None = None
     #: Whether a warning changes the exit code to 1.
@@ -90,6 +102,8 @@ def solve_and_report(name: str, solve_options: SolveOptions) -> CommandOutput:
             written += _write_stiffness_matrix(one, _options_of_load_case(solve_options, case) if case else solve_options)
         if solve_options.loads_csv is not None:
             written += _write_contact_loads(solve_options.loads_csv, cases)
+        if solve_options.plot is not None:
+            written.append(write_plot(solve_options.plot, found))
     shown = {"balls": solve_options.balls, "details": solve_options.verbose, "stiffness": bool(solve_options.stiffness_at)}
     if isinstance(found, CycleResult):
         from rollbench.compare.text.solved import duty_cycle_parts
@@ -194,6 +208,8 @@ def _check_options(solve_options: SolveOptions) -> tuple[str, float]:
         from rollbench.compare.files import check_writable
 
         check_writable(solve_options.loads_csv)
+    if solve_options.plot is not None:
+        check_plot_file(solve_options.plot)
     if not solve_options.stiffness_at:
         return model, 0.0
     try:
@@ -239,6 +255,7 @@ def solve(
     matrix: Path | None = None,
     curve: Annotated[Word, Parameter(allow_leading_hyphen=True)] = "",
     loads_csv: Path | None = None,
+    plot: Path | None = None,
     members: int | None = None,
     csv: Path | None = None,
     seed: int | None = None,
@@ -281,6 +298,8 @@ def solve(
     loads_csv
         File for all contact loads, with the columns that check --loads reads: ball, flank, newton, azimuth_deg, z_mm, and
         case if the scene has load cases.
+    plot
+        File for a figure, SVG: loads of all balls on each loaded flank; of several scenes, the differences from the first.
     members
         Number of specimens to solve. Prints the distributions of the largest load, the stiffness, the number of unloaded
         contacts and the life; with --balls also the range of the load of every ball.
@@ -312,14 +331,16 @@ def solve(
         for name in (k for k, v in alone.items() if v is not None):
             given = f"this option for {len(scenes)} scenes"
             raise ArgumentError(name, given, "only for one scene", "leave it out, or solve one scene at a time")
-        choices = SolveOptions(model, member=member, stiffness_at=stiffness_at, time_limit=time_limit, strict=strict)
+        choices = SolveOptions(
+            model, member=member, stiffness_at=stiffness_at, plot=plot, time_limit=time_limit, strict=strict
+        )
         return print_command_output(solve_side_by_side(scenes, choices), as_json)
     (scene,) = scenes
     if members is not None:
         from rollbench.compare.reference.jobs import ComputingSettings
 
-        if stiffness_at or strict or curve or any(file is not None for file in (matrix, loads_csv)):
-            named = "stiffness_at, matrix, curve, loads_csv, strict"
+        if stiffness_at or strict or curve or any(file is not None for file in (matrix, loads_csv, plot)):
+            named = "stiffness_at, matrix, curve, loads_csv, plot, strict"
             advice = "leave them out, or solve a single specimen (random draw of the geometric errors) by `member=K`"
             raise ArgumentError(named, "one of these options with --members", "only without --members", advice)
         how = ComputingSettings(parallel_jobs=workers)
@@ -330,7 +351,7 @@ def solve(
         advice = "add --members N, the number of random draws of the geometric errors"
         raise ArgumentError("csv, seed, workers", given, "only with --members", advice)
     choices = SolveOptions(
-        model, everything, member, condensed, balls, stiffness_at, matrix, loads_csv, time_limit, strict, verbose
+        model, everything, member, condensed, balls, stiffness_at, matrix, loads_csv, plot, time_limit, strict, verbose
     )
     found = solve_load_curve(scene, curve, choices, csv) if curve else solve_and_report(scene, choices)
     return print_command_output(found, as_json)
@@ -356,7 +377,9 @@ def solve_side_by_side(names: Sequence[str], solve_options: SolveOptions) -> Com
     with watch_running_time(f"{len(names)} scenes, model {one_line(model)}", checked_time_limit(solve_options.time_limit)):
         found = side_by_side_of_scene_records(described, names, model, solve_options.member, at)
     warned = solve_options.strict and any(join_brief_warnings(one.warnings) for one in found.scenes)
-    return CommandOutput(found.to_dict, side_by_side_parts(found), int(not found.converged or warned), wrap_always=True)
+    parts = side_by_side_parts(found)
+    parts += [] if solve_options.plot is None else [write_plot(solve_options.plot, found)]
+    return CommandOutput(found.to_dict, parts, int(not found.converged or warned), wrap_always=True)
 
 
 def solve_load_curve(name: str, text: str, solve_options: SolveOptions, csv_out: Path | None) -> CommandOutput:
@@ -372,8 +395,9 @@ def solve_load_curve(name: str, text: str, solve_options: SolveOptions, csv_out:
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.text.solved import load_curve_parts
 
-    if solve_options.stiffness_at or solve_options.matrix or solve_options.loads_csv or solve_options.balls:
-        refused, given = "stiffness_at, matrix, loads_csv, balls", "one of these options with --curve"
+    files = (solve_options.matrix, solve_options.loads_csv, solve_options.plot)
+    if solve_options.stiffness_at or solve_options.balls or any(file is not None for file in files):
+        refused, given = "stiffness_at, matrix, loads_csv, plot, balls", "one of these options with --curve"
         raise ArgumentError(refused, given, "only without --curve", "leave them out: they are for a single load")
     model, _ = _check_options(solve_options)
     if csv_out is not None:

@@ -13,6 +13,7 @@ from rollbench.compare.errors import ArgumentError
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import ComputingSettings
+    from rollbench.compare.results.base import TabularRecord
 
 
 def _types_of(hint: Any) -> set[Any]:
@@ -129,3 +130,22 @@ def cache_folder() -> Path | None:
     from rollbench.meshes.cache import default_cache_folder
 
     return default_cache_folder()
+
+
+def check_plot_file(path: Path) -> None:
+    """Raise InputError unless the file ``path`` of a figure ends with .svg and can be written."""
+    from rollbench.compare.files import check_writable
+
+    if path.suffix.lower() != ".svg":
+        raise ArgumentError("plot", str(path), "a file that ends with .svg", "name an SVG file")
+    check_writable(path)
+
+
+def write_plot(path: Path, answer: TabularRecord) -> str:
+    """Write the figure of an answer to an SVG file; return a line that names the file, or says why there is none."""
+    from rollbench.compare.files import reason_without_figure, write_figure
+
+    figure = answer.figure()
+    if figure is None:
+        return "no figure: there is nothing to draw"
+    return reason_without_figure() or f"wrote {write_figure(path, figure)}: {figure.title}"

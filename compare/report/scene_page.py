@@ -78,7 +78,9 @@ def raise_folder_errors_as_input_errors(out: Path) -> Iterator[None]:
         raise ArgumentError("out", str(error), allowed, "choose another folder", str(out)) from None
 
 
-def solve_and_make_page(scene_name: str, stores: Sequence[Path], reference_file: Path | None = None) -> ScenePage:
+def solve_and_make_page(
+    scene_name: str, stores: Sequence[Path], reference_file: Path | None = None
+) -> tuple[ScenePage, Result]:
     """Solve a scene by the default model and make its result page, on the load case with the highest pressure.
 
     Parameters
@@ -92,8 +94,8 @@ def solve_and_make_page(scene_name: str, stores: Sequence[Path], reference_file:
 
     Returns
     -------
-    ScenePage
-        Page with the results.
+    ScenePage, Result
+        Page with the results, and the results.
 
     Raises
     ------
@@ -110,15 +112,15 @@ def solve_and_make_page(scene_name: str, stores: Sequence[Path], reference_file:
         return _page_of_highest_pressure_case(scene_name, described, stores, reference_file)
     if isinstance(described, Assembly):
         found = solve_with_results(described, default_model_name(described), ModelOptions())
-        return result_page_of_shaft(scene_name, found, stores)
+        return result_page_of_shaft(scene_name, found, stores), found
     scene = scene_file.single_nut_scene_or_raise(described, scene_name)
     return _page_of_load_case(scene_name, scene, stores, reference_file)
 
 
 def _page_of_highest_pressure_case(
     scene_name: str, cycle: DutyCycle, stores: Sequence[Path], reference_file: Path | None
-) -> ScenePage:
-    """Return the page on the load case of a duty cycle with the highest pressure; it begins with a table of all load cases.
+) -> tuple[ScenePage, Result]:
+    """Return the page on a duty cycle's load case with the highest pressure, and all results; a table of cases comes first.
 
     ``scene_name``: name or file of the scene. ``cycle``: its load cases. ``stores``: folders with stored runs of the 3D
     reference. ``reference_file``: file with contact loads that replaces the 3D reference. Raises SceneNotCoveredError if no
@@ -136,7 +138,7 @@ def _page_of_highest_pressure_case(
     if isinstance(one.described, Assembly):
         page = result_page_of_shaft(scene_name, one, stores)
     else:
-        page = _page_of_load_case(scene_name, one.described, stores, reference_file, worst)
+        page, _ = _page_of_load_case(scene_name, one.described, stores, reference_file, worst)
     rows: list[Row] = [
         {TableColumn(key, key, "", "s" if key == "case" else "g4"): value for key, value in row.items()}
         for row in load_case_rows(found)
@@ -150,7 +152,7 @@ def _page_of_highest_pressure_case(
     table = Table.from_rows("cases", "Contact load, pressure, safety and life of each load case", rows, note)
     lost = "".join(f" Case {one} was not solved: {status}." for one, status in whole.unsolved.items())
     cases = count_with_noun(len(solved), "load case")
-    return replace(
+    page = replace(
         page,
         title=cycle.title,
         subtitle=f"{cycle.name}, {cases}: {page.subtitle.partition(': ')[2]}; shown below: case {worst}",
@@ -160,6 +162,7 @@ def _page_of_highest_pressure_case(
         results=found.to_json(),
         view=found.scene_view(stores),
     )
+    return page, found
 
 
 def _page_of_load_case(
@@ -168,8 +171,8 @@ def _page_of_load_case(
     stores: Sequence[Path],
     reference_file: Path | None = None,
     load_case_name: str | None = None,
-) -> ScenePage:
-    """Return the page with the results of one load case of a scene that has a single nut or bearing row.
+) -> tuple[ScenePage, Result]:
+    """Return the page on one load case of a scene that has a single nut or bearing row, and its results.
 
     ``scene_name``: name or file of the scene. ``stores``: folders with stored runs of the 3D reference. ``reference_file``:
     file with contact loads that replaces the 3D reference. ``load_case_name``: name of the load case, to which the rows of
@@ -201,7 +204,7 @@ def _page_of_load_case(
         _error_section(scene, worth, judged, stored, compared),
         parts.warnings_and_assumptions_section(result, warnings),
     )
-    return ScenePage(
+    page = ScenePage(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure, friction and life by rollbench, model {DEFAULT}",
         pressure_and_error_sentence(one.worst, worth, judged, stored, compared),
@@ -216,6 +219,7 @@ def _page_of_load_case(
         one.scene_view(stores, given),
         table=parts.results_table(one.rows(), title, expected_error_sentence(worth)),
     )
+    return page, one
 
 
 @dataclass(frozen=True)
@@ -500,12 +504,15 @@ def friction_section(scene: Scene, result: StaticResult, options: ModelOptions) 
         }
         for row in losses_by_contact_and_cause(state)
     ]
+    names = [f"{row['contact']}: {row['loss_W']:.3g} W" for row in losses_by_contact_and_cause(state)]
+    lost, at = [row["loss_W"] for row in losses_by_contact_and_cause(state)], [1.0 + k for k in range(len(names))]
+    panels.append(Panel("who takes it", "friction loss / W", "", (Series("", lost, at, "bars"),), ordinate_names=names))
     caption = (
         "Panels: friction torque over the angle of the rotating part; over the friction coefficient, in the range of "
-        f"lubricated contacts ({MEASURED[0]:g} to {MEASURED[1]:g}); over a change of all ball radii."
+        f"lubricated contacts ({MEASURED[0]:g} to {MEASURED[1]:g}); over a change of all ball radii; loss on each flank."
     )
-    drawn = "Friction torque over rotation, friction coefficient and ball size"
-    figure = Figure("friction", drawn, tuple(panels), caption, columns=3)
+    drawn = "Friction torque over rotation, friction coefficient and ball size, and the loss on each flank"
+    figure = Figure("friction", drawn, tuple(panels), caption, columns=2)
     losses = Table.from_rows("losses", "Friction losses by contact and cause", rows)
     return Section("friction", title, (Text(tuple(notes), bullets=True), figure, losses))
 

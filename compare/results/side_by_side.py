@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,12 +10,13 @@ import numpy as np
 
 from rollbench.compare.measure import error_percent
 from rollbench.compare.quantities import json_number, quantities_of_record, record_as_json
-from rollbench.compare.results.base import JSON, Record, add_schema_version
+from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
 from rollbench.compare.results.solved import Result
 from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
+from rollbench.reports.content import Figure, Panel, Series, TableColumn
 
 #: Range of a quantity: its lower and upper limit.
 Band = tuple[float, float]
@@ -45,26 +46,36 @@ class Alternative:
         "nut_tangent_N_per_um",
         "`nut.tangent_N_per_um`, without the shaft: of the nuts, or of the bearings without a nut; null where nuts and "
         "bearings stand side by side",
+        heading="nut: axial rigidity, tangent",
     )
     load_point_tangent: float | None = quantity_field(
         "load_point_tangent_N_per_um",
         "`load_point.tangent_N_per_um`, to ground; null where loads along z and across stand side by side",
         error="that of the rigidity, along z",
+        heading="load's point: rigidity, tangent",
     )
     radial_stiffness: float | None = quantity_field(
         "radial_stiffness_N_per_um",
         "smallest radial tangent stiffness of all directions, with all other degrees of freedom fixed: of a single nut or "
         "bearing at its centre without its shaft, of several with their shaft at the position that the scene states; null "
         "where scenes of both kinds stand side by side",
+        heading="radial rigidity",
     )
-    nut_displacement: float | None = quantity_field("nut_displacement_um", "`nut.displacement_um`")
+    nut_displacement: float | None = quantity_field(
+        "nut_displacement_um", "`nut.displacement_um`", heading="nut: axial displacement"
+    )
     load_point_displacement: float | None = quantity_field(
-        "load_point_displacement_um", "`load_point.displacement_um`", error="that of the displacement, along z"
+        "load_point_displacement_um",
+        "`load_point.displacement_um`",
+        error="that of the displacement, along z",
+        heading="load's point: displacement",
     )
     largest: float | None = quantity_field(
-        "largest_load_N", "largest load of a contact or roller in any nut or bearing of the scene"
+        "largest_load_N",
+        "largest load of a contact or roller in any nut or bearing of the scene",
+        heading="largest contact load",
     )
-    pressure: float | None = quantity_field("pressure_MPa", "pressure of the worst contact")
+    pressure: float | None = quantity_field("pressure_MPa", "pressure of the worst contact", heading="peak pressure")
     safety: float | None = quantity_field("static_safety", "static safety of the worst contact")
     running: Band | None = quantity_field(
         "running_torque_Nmm",
@@ -72,30 +83,39 @@ class Alternative:
         "its friction torque, of a ball screw the torque that drives the screw",
         error="empirical; that of the coefficient of friction",
         parts="[]",
+        heading="torque, running",
     )
     starting: Band | None = quantity_field(
         "starting_torque_Nmm",
         "torque that starts the shaft from rest, [low, high]",
         error="as the running torque",
         parts="[]",
+        heading="torque from rest",
     )
     inertia: float | None = quantity_field(
-        "inertia_kg_mm2", "moment of inertia of the axis at its motor, the motor's own included"
+        "inertia_kg_mm2",
+        "moment of inertia of the axis at its motor, the motor's own included",
+        heading="moment of inertia",
     )
     basic: float | None = quantity_field(
         "L10_million_revolutions",
         "life L10 (ISO 3408-5 of a nut, ISO 281 of a bearing) of all nuts and bearings of an axis as one system, or of a "
         "single nut or bearing; null if that of one is not known",
         error="that of the lives",
+        heading="life L10",
     )
     life: float | None = quantity_field(
         "life_million_revolutions",
         "life by the contact loads (L10 of a nut, L10r of a bearing) of all nuts and bearings of an axis as one system, or "
         "of a single nut or bearing",
         error="that of the lives",
+        heading="life by contact loads",
     )
     hours: float | None = quantity_field(
-        "life_hours", "this life in hours, if the scene states a speed", error="that of the life in revolutions"
+        "life_hours",
+        "this life in hours, if the scene states a speed",
+        error="that of the life in revolutions",
+        heading="life by contact loads",
     )
     shortest: str | None = quantity_field("shortest_set", "nut or bearing of an axis with the shortest life")
     warnings: tuple[ResultWarning, ...] = quantity_field("warnings")
@@ -107,7 +127,7 @@ NUMBERS = [key for key, one in quantities_of_record(Alternative).items() if one.
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class SideBySide(Record):
+class SideBySide(TabularRecord):
     """Results of several scenes, computed by one model, and the list of input data in which the scenes differ.
 
     Examples
@@ -163,6 +183,48 @@ class SideBySide(Record):
         if first is None:
             return (None,) * len(middles)
         return tuple(None if x is None else json_number(float(error_percent(x, first))) for x in middles)
+
+    @property
+    def numbers(self) -> dict[str, TableColumn]:
+        """Quantities that at least one scene answers, by their JSON keys."""
+        of, answers = quantities_of_record(Alternative), [record_as_json(one) for one in self.scenes]
+        return {key: of[key] for key in NUMBERS if any(answer[key] is not None for answer in answers)}
+
+    def frame_rows(self) -> Sequence[Mapping[str, Any]]:
+        """Return a row for each scene; a range of torque has a column for each end."""
+        rows = []
+        for one in self.scenes:
+            row: dict[str, Any] = {"scene": one.scene, "status": one.status}
+            for key, value in record_as_json(one).items():
+                if key not in self.numbers:
+                    continue
+                if isinstance(value, list):
+                    row |= {f"{end}_{key}": x for end, x in zip(("lowest", "highest"), value, strict=True)}
+                else:
+                    row[key] = value
+            rows.append(row)
+        return rows
+
+    def figure(self) -> Figure | None:
+        """Return the figure of every quantity's difference from the first scene, in per cent, by scene."""
+        shown = {key: self.difference_percent(key) for key in self.numbers}
+        keys = [key for key, off in shown.items() if any(off)]
+        if not keys:
+            return None
+        series = [
+            Series(
+                one.scene,
+                [x for x in column if x is not None],
+                [1.0 + y for y, x in enumerate(column) if x is not None],
+                "markers",
+                bold=True,
+            )
+            for one, column in zip(self.scenes, zip(*(shown[key] for key in keys), strict=True), strict=True)
+        ]
+        names = [self.numbers[key].label for key in keys]
+        panel = Panel("", f"difference from {self.scenes[0].scene} / %", "", series, ordinate_names=names)
+        title = f"Difference of each result from that of {self.scenes[0].scene}"
+        return Figure("side-by-side", title, (panel,), columns=1, size=(7.6, 1.4 + 0.3 * len(keys)))
 
     def to_dict(self) -> dict[str, JSON]:
         """Return the comparison as a dictionary, as ``rollbench solve A B --json`` prints it.

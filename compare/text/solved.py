@@ -168,17 +168,17 @@ def side_by_side_parts(side_by_side: SideBySide) -> list[Any]:
 
     The table has a column for each scene, with the difference from the first scene in per cent.
     """
-    rows, of = [], quantities_of_record(Alternative)
-    answers = [record_as_json(one) for one in side_by_side.scenes]
-    for key in (k for k in NUMBERS if any(a[k] is not None for a in answers)):
+    answers, rows = [record_as_json(one) for one in side_by_side.scenes], []
+    for key, one in side_by_side.numbers.items():
         off = side_by_side.difference_percent(key)
         shown = ["", *("" if x is None else f"  {x:+.1f} %" for x in off[1:])]
-        cells = [_number_or_range_text(a[key]) + text for a, text in zip(answers, shown, strict=True)]
-        rows.append([f"{of[key].label} [{of[key].unit}]" if of[key].unit else of[key].label, *cells])
+        cells = [number_or_range_text(a[key]) + text for a, text in zip(answers, shown, strict=True)]
+        rows.append([f"{one.label} [{one.unit}]" if one.unit else one.label, *cells])
     if any(one.shortest for one in side_by_side.scenes):
         rows.append(["set with the shortest life", *(one.shortest or "–" for one in side_by_side.scenes)])
     warned = [(one.scene, join_brief_warnings(one.warnings)) for one in side_by_side.scenes]
-    unknown = [f"{of[key].label} [{of[key].unit}]" for key in NUMBERS if all(a[key] is None for a in answers)]
+    every = quantities_of_record(Alternative)
+    unknown = [f"{every[key].label} [{every[key].unit}]" for key in NUMBERS if key not in side_by_side.numbers]
     title, headings = f"model {side_by_side.model}: scenes side by side", ["", *(one.scene for one in side_by_side.scenes)]
     differing = f"not the same in all scenes: {', '.join(side_by_side.differ)}"
     return [
@@ -191,7 +191,7 @@ def side_by_side_parts(side_by_side: SideBySide) -> list[Any]:
     ]
 
 
-def _number_or_range_text(value: Any) -> str:
+def number_or_range_text(value: Any) -> str:
     """Format a number, or a list of two numbers as a range; None becomes a dash."""
     if value is None:
         return "–"

@@ -114,7 +114,7 @@ def test_compare_sets_models_and_ours_beside_it(command, tmp_path) -> None:
 
 def test_the_page_of_a_scene_shows_both(tmp_path) -> None:
     file = written(tmp_path / "bench.csv", "# uncertainty: 30 %", factor=1.2)
-    page = solve_and_make_page(SCENE, (store.shipped_store(),), file)
+    page, _ = solve_and_make_page(SCENE, (store.shipped_store(),), file)
     assert "against bench.csv, uncertain by 30 % of the mean load" in page.verdict
     assert "exceeds the error limit" in page.warnings[0]
     assert page.provenance["reference"].startswith("bench.csv, SHA-256 ")
