@@ -44,7 +44,7 @@ def test_the_torque_is_the_sum_of_nuts_bearings_seals_and_all_else():
 
 @pytest.mark.parametrize("name", ["axis-fixed-fixed", "smith-axis"])
 def test_a_shipped_axis_answers_the_torque_of_its_motor(name):
-    torques = solve(catalogue.shipped_scene(name), "lin", ModelOptions()).motor_torques
+    torques = solve(catalogue.shipped_scene(name), "lin", ModelOptions()).drive
     assert torques is not None
     assert torques.running is not None
     assert 0.0 < torques.running[0] <= torques.running[1]

@@ -34,7 +34,7 @@ def test_cases_in_order_each_as_it_is_alone_and_their_summary(tmp_path, command)
     assert cases[0]["balls"] == alone["balls"]
     assert (whole["largest_pressure_case"], whole["least_static_safety_case"]) == ("push", "push")
     assert whole["largest_pressure_MPa"] == max(one["summary"]["worst_contact"]["pressure_MPa"] for one in cases)
-    loads = [load_cases.solve_scene_with_results(SHIPPED, "lin", registry.ModelOptions()).result.load]
+    loads = [solve_with_results(SHIPPED, "lin", registry.ModelOptions()).loads]
     loads.append(np.array([list(ball["load_N"].values()) for ball in cases[1]["balls"]]))
     life = basic_rating_life(SHIPPED, damage_equivalent_contact_loads(loads, [0.75, 0.25])).revolutions
     assert whole["reference_life"]["L10r_million_revolutions"] == life
