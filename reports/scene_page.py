@@ -71,7 +71,7 @@ def scene_page_html(page: ScenePage) -> str:
     picture, missing = _picture_as_base64(page.picture)
     return environment.get_template("scene.html.j2").render(
         page=page,
-        picture=picture,
+        picture=Markup(picture),  # base64 may hold the letters of a unit
         missing=missing,
         viewer=Markup("" if page.view is None else viewer_elements_html(page.view)),
         marker=Markup(MARKER),

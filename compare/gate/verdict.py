@@ -180,6 +180,11 @@ class VerdictRow:
         """Return the verdict as a dictionary for JSON, in which the keys of numbers end with their unit.
 
         Keys that end with ``percent`` are null for a quantity that is judged in another unit.
+
+        Returns
+        -------
+        dict
+            JSON values by key.
         """
         data: dict[str, Any] = {"scene": self.scene, "judged": self.judged, "quantity": self.quantity}
         data["word"] = str(self.judgement)
@@ -224,7 +229,13 @@ class VerdictRow:
         return "; ".join(filter(None, (self.pair_text, self.detail)))
 
     def comparison_text(self) -> str:
-        """Return error, uncertainty and limit as a comparison, such as ``1.4 % + 0.2 % <= 7 %`` for "pass"."""
+        """Return error, uncertainty and limit as a comparison, such as ``1.4 % + 0.2 % <= 7 %`` for "pass".
+
+        Returns
+        -------
+        str
+            The text.
+        """
         error, limit = f"{abs(self.error or 0.0):.2f} {self.unit}", f"{self.limit:.4g} {self.unit}"
         if self.uncertainty is None:
             return f"{error}, uncertainty unknown, limit {limit}"

@@ -183,7 +183,13 @@ class Comparison(TabularRecord):
         }
 
     def frame_rows(self) -> Sequence[Mapping[str, Any]]:
-        """Return a row for each contact that the reference or a model loads; flanks SL, SR, NL, NR."""
+        """Return a row for each contact that the reference or a model loads; flanks SL, SR, NL, NR.
+
+        Returns
+        -------
+        list
+            Row of each line of the frame, by the names of its columns.
+        """
         if parts := self._parts():
             return [{"of": name, **row} for name, one in parts.items() for row in one.frame_rows()]
         if self.reference is None:
@@ -203,7 +209,13 @@ class Comparison(TabularRecord):
         ]
 
     def figure(self) -> Figure | None:
-        """Return the figure of the contact loads of models and reference, a panel for each loaded flank of each part."""
+        """Return the figure of the contact loads of models and reference, a panel for each loaded flank of each part.
+
+        Returns
+        -------
+        reports.content.Figure or None
+            The figure, as the report draws it; None if there is nothing to draw.
+        """
         panels = [p for name, one in (self._parts() or {"": self}).items() for p in one._panels(name)]
         return Figure("comparison", f"{self.scene}: contact loads of models and reference", panels) if panels else None
 

@@ -317,6 +317,11 @@ class Friction(Data, TabularRecord):
         """Return a row for every ball, of each load case; without results for balls a row of the torques.
 
         Values on the four flanks have columns such as ``loss_mW_SL``, vectors such as ``rotation_rad_s_1``.
+
+        Returns
+        -------
+        list
+            Row of each line of the frame, by the names of its columns.
         """
         if self.cases:
             return [{"case": name} | dict(row) for name, one in self.cases.items() for row in one.frame_rows()]
@@ -337,7 +342,13 @@ class Friction(Data, TabularRecord):
         return {name: unit.text for name, unit in found.items() if unit is not None}
 
     def figure(self) -> Figure | None:
-        """Return the figure of the power lost by each ball on each flank, a panel a load case; else of the torques."""
+        """Return the figure of the power lost by each ball on each flank, a panel a load case; else of the torques.
+
+        Returns
+        -------
+        reports.content.Figure or None
+            The figure, as the report draws it; None if there is nothing to draw.
+        """
         panels = [panel for panel in (one._loss_panel(name) for name, one in (self.cases or {"": self}).items()) if panel]
         if panels:
             return Figure("friction", f"{self.scene}: friction of each ball", panels[:6])
@@ -446,7 +457,13 @@ class Statistics:
     """Ends of the 95 % confidence interval of each quantile, by its probability; empty for the samples of a sweep."""
 
     def as_json(self) -> dict[str, Any]:
-        """Return the statistics as JSON values; quantiles are a list with intervals, or without these one key for each."""
+        """Return the statistics as JSON values; quantiles are a list with intervals, or without these one key for each.
+
+        Returns
+        -------
+        dict
+            JSON values by key.
+        """
         data = record_as_json(self, "quantiles", *(() if self.intervals else ("members",)))
         if not self.intervals:
             return data | {f"quantile_{level:g}": value for level, value in self.quantiles.items()}
@@ -594,7 +611,13 @@ class Ensemble(TabularRecord):
         return add_schema_version(self.as_json())
 
     def as_json(self) -> dict[str, Any]:
-        """Return the JSON values of `to_dict` without the version number of the format."""
+        """Return the JSON values of `to_dict` without the version number of the format.
+
+        Returns
+        -------
+        dict
+            JSON values by key.
+        """
         if self.cases:
             return {"scene": self.scene, "cases": [{"case": name} | one.as_json() for name, one in self.cases.items()]}
         data: dict[str, Any] = {"scene": self.scene, "model": self.model}
@@ -610,7 +633,13 @@ class Ensemble(TabularRecord):
         return data | {"balls": [dict(row) for row in self.contacts]}
 
     def frame_rows(self) -> Sequence[Mapping[str, Any]]:
-        """Return a row for each statistic, with a column for each output; of each load case and each nut or bearing."""
+        """Return a row for each statistic, with a column for each output; of each load case and each nut or bearing.
+
+        Returns
+        -------
+        list
+            Row of each line of the frame, by the names of its columns.
+        """
         if self.cases:
             return [{"case": name} | dict(row) for name, one in self.cases.items() for row in one.frame_rows()]
         whole = statistics_rows(self.outputs)
@@ -618,7 +647,13 @@ class Ensemble(TabularRecord):
         return [*({"set": None} | row for row in whole), *sets] if sets else whole
 
     def figure(self) -> Figure | None:
-        """Return the figure of the contact loads over the balls: median and 5 to 95 % of the specimens, a panel a flank."""
+        """Return the figure of the contact loads over the balls: median and 5 to 95 % of the specimens, a panel a flank.
+
+        Returns
+        -------
+        reports.content.Figure or None
+            The figure, as the report draws it; None if there is nothing to draw.
+        """
         panels = list(self._load_panels(""))[:6]
         title = f"{self.scene}: contact loads of {self.members} specimens with random errors"
         return Figure(f"{self.scene}-members", title, panels, columns=2) if panels else None

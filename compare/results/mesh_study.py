@@ -35,7 +35,13 @@ class MeshLevel:
     """Further JSON values: under which conditions the time was measured; cells and balance of a roller's run."""
 
     def as_json(self) -> dict[str, Any]:
-        """Return the mesh level as JSON values, a row of a table."""
+        """Return the mesh level as JSON values, a row of a table.
+
+        Returns
+        -------
+        dict
+            JSON values by key.
+        """
         sizes = {"level": self.level, "cell_size": self.cell_size, "unknowns": self.unknowns, "seconds": self.seconds}
         return {**sizes, **self.further, "difference_percent": self.difference, "enough_for_percent": self.enough_for}
 
@@ -63,7 +69,13 @@ class MeshQuantity:
     values and errors of low-order laws."""
 
     def as_json(self) -> dict[str, Any]:
-        """Return the quantity as JSON values, a row of a table with a key for each mesh level."""
+        """Return the quantity as JSON values, a row of a table with a key for each mesh level.
+
+        Returns
+        -------
+        dict
+            JSON values by key.
+        """
         row: dict[str, Any] = {"quantity": self.name, "unit": self.unit}
         row |= {f"level {level}": value for level, value in zip(self.levels, self.values, strict=True)}
         if len(self.levels) > 1:
@@ -103,7 +115,13 @@ class MeshStudy(TabularRecord):
         return add_schema_version(self.as_json())
 
     def as_json(self) -> dict[str, Any]:
-        """Return the JSON values of `to_dict` without the version number of the format."""
+        """Return the JSON values of `to_dict` without the version number of the format.
+
+        Returns
+        -------
+        dict
+            JSON values by key.
+        """
         data: dict[str, Any] = {"scene": self.scene}
         if self.sets:
             return data | {"sets": [one.as_json() for one in self.sets.values()]}
@@ -113,13 +131,25 @@ class MeshStudy(TabularRecord):
         return data | ({"set": self.set} if self.set else {})
 
     def frame_rows(self) -> Sequence[Mapping[str, Any]]:
-        """Return a row for each quantity, whose unit is in the column ``unit``; of each nut or bearing."""
+        """Return a row for each quantity, whose unit is in the column ``unit``; of each nut or bearing.
+
+        Returns
+        -------
+        list
+            Row of each line of the frame, by the names of its columns.
+        """
         if self.sets:
             return [{"set": name} | dict(row) for name, one in self.sets.items() for row in one.frame_rows()]
         return [x.as_json() for x in self.quantities]
 
     def figure(self) -> Figure | None:
-        """Return the figure of the convergence with the cell size; None for fewer than two mesh levels."""
+        """Return the figure of the convergence with the cell size; None for fewer than two mesh levels.
+
+        Returns
+        -------
+        reports.content.Figure or None
+            The figure, as the report draws it; None if there is nothing to draw.
+        """
         panels = list(self._convergence_panels())
         if not panels:
             return None

@@ -191,7 +191,13 @@ class SideBySide(TabularRecord):
         return {key: of[key] for key in NUMBERS if any(answer[key] is not None for answer in answers)}
 
     def frame_rows(self) -> Sequence[Mapping[str, Any]]:
-        """Return a row for each scene; a range of torque has a column for each end."""
+        """Return a row for each scene; a range of torque has a column for each end.
+
+        Returns
+        -------
+        list
+            Row of each line of the frame, by the names of its columns.
+        """
         rows = []
         for one in self.scenes:
             row: dict[str, Any] = {"scene": one.scene, "status": one.status}
@@ -206,7 +212,13 @@ class SideBySide(TabularRecord):
         return rows
 
     def figure(self) -> Figure | None:
-        """Return the figure of every quantity's difference from the first scene, in per cent, by scene."""
+        """Return the figure of every quantity's difference from the first scene, in per cent, by scene.
+
+        Returns
+        -------
+        reports.content.Figure or None
+            The figure, as the report draws it; None if there is nothing to draw.
+        """
         shown = {key: self.difference_percent(key) for key in self.numbers}
         keys = [key for key, off in shown.items() if any(off)]
         if not keys:

@@ -438,6 +438,11 @@ class Result(TabularRecord, Balls):
         """Return a row for every ball: number and position, then load, contact angle and pressure on each groove flank.
 
         Units are SI. With several nuts, bearings or load cases, the first columns have their names.
+
+        Returns
+        -------
+        list
+            Row of each line of the frame, by the names of its columns.
         """
         columns = self.columns()
         return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
@@ -474,7 +479,13 @@ class Result(TabularRecord, Balls):
         return {name: unit for name, unit in found.items() if unit in ("N", "Pa", "m", "rad")}
 
     def figure(self) -> Figure | None:
-        """Return the figure of the contact loads: a panel for each loaded flank of each nut, bearing and load case."""
+        """Return the figure of the contact loads: a panel for each loaded flank of each nut, bearing and load case.
+
+        Returns
+        -------
+        reports.content.Figure or None
+            The figure, as the report draws it; None if there is nothing to draw.
+        """
         from rollbench.reports.content import Figure
 
         panels = self._panels()

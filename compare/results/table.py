@@ -242,11 +242,22 @@ class Table(TabularRecord):
         """Return a row for each combination of values: the varied parameters, status, quantities and expected errors.
 
         The stiffness has the columns ``K_ux_ux`` to ``K_rz_rz`` in N, m and rad.
+
+        Returns
+        -------
+        list
+            Row of each line of the frame, by the names of its columns.
         """
         return [dict(_flatten_table_row(row)) for row in cast("list[dict[str, Any]]", self.to_dict()["rows"])]
 
     def figure(self) -> Figure | None:
-        """Return the figure of each quantity over the varied parameter with most values; None without such a parameter."""
+        """Return the figure of each quantity over the varied parameter with most values; None without such a parameter.
+
+        Returns
+        -------
+        reports.content.Figure or None
+            The figure, as the report draws it; None if there is nothing to draw.
+        """
         return _table_figure(self)
 
     def units(self) -> dict[str, str]:

@@ -96,11 +96,23 @@ class Verdict(TabularRecord):
         return add_schema_version(verdicts_json(self.described, self.rows) | rest)
 
     def frame_rows(self) -> Sequence[Mapping[str, Any]]:
-        """Return a row for each judged quantity; mesh levels are a text such as "1, 3"."""
+        """Return a row for each judged quantity; mesh levels are a text such as "1, 3".
+
+        Returns
+        -------
+        list
+            Row of each line of the frame, by the names of its columns.
+        """
         return [v.as_json() | {"levels": ", ".join(map(str, v.levels))} for v in self.rows]
 
     def figure(self) -> Figure | None:
-        """Return the figure of judged and reference loads around the worst contact; None if no contact load was judged."""
+        """Return the figure of judged and reference loads around the worst contact; None if no contact load was judged.
+
+        Returns
+        -------
+        reports.content.Figure or None
+            The figure, as the report draws it; None if there is nothing to draw.
+        """
         shown = row_for_load_chart(self.rows)
         return None if shown is None else worst_ball_figure(shown)
 

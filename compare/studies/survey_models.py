@@ -244,11 +244,23 @@ class Survey(TabularRecord):
         return add_schema_version(data | {"without_answer": self.without_answer, "models": dict(self.rows)})
 
     def frame_rows(self) -> Sequence[Mapping[str, Any]]:
-        """Return a row for each model and screw."""
+        """Return a row for each model and screw.
+
+        Returns
+        -------
+        list
+            Row of each line of the frame, by the names of its columns.
+        """
         return [{"model": model_title(name)} | dict(row) for name, rows in self.rows.items() for row in rows]
 
     def figure(self) -> Figure | None:
-        """Return the figure of the errors of all models on the screws; None if no judged model solved a screw."""
+        """Return the figure of the errors of all models on the screws; None if no judged model solved a screw.
+
+        Returns
+        -------
+        reports.content.Figure or None
+            The figure, as the report draws it; None if there is nothing to draw.
+        """
         return figure_of_errors_on_random_screws(self.rows) if self.judged[0] in self._errors() else None
 
     @property

@@ -231,11 +231,23 @@ class Sweep(TabularRecord):
         return add_schema_version(data | {"worst": list(self.worst), "indices": dict(self.indices)})
 
     def frame_rows(self) -> Sequence[Mapping[str, Any]]:
-        """Return a row for each statistic, with a column for each output."""
+        """Return a row for each statistic, with a column for each output.
+
+        Returns
+        -------
+        list
+            Row of each line of the frame, by the names of its columns.
+        """
         return statistics_rows(self.outputs)
 
     def figure(self) -> Figure | None:
-        """Return the figure of the mean largest contact load over each varied parameter; None without samples."""
+        """Return the figure of the mean largest contact load over each varied parameter; None without samples.
+
+        Returns
+        -------
+        reports.content.Figure or None
+            The figure, as the report draws it; None if there is nothing to draw.
+        """
         if self.converged < 2:
             return None
         return figures_from_sweep_summary("sweep", self.design.keys, self.main_effects, self.worst, self.indices)[0]

@@ -5,6 +5,7 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from tests.axes import CASES, ON_A_SHAFT
@@ -15,6 +16,7 @@ import rollbench
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.report import changes, scene_page, several
 from rollbench.meshes.parts import SIDES
+from rollbench.reports import scene_page as pages_of_scenes
 from rollbench.reports.cells import with_typographic_signs
 from rollbench.reports.scene_page import read_page_data, scene_page_html
 
@@ -50,6 +52,12 @@ def test_the_page_answers_first_and_needs_nothing_from_outside(page, html: str) 
     (table,) = (i for part in page.parts for i in part.items if getattr(i, "name", "") == "contacts")
     loads = [load for ball in page.results["balls"] for load in ball["load_N"].values() if load]
     assert [row["load"] for row in table.rows] == pytest.approx(loads)
+
+
+def test_a_picture_is_not_typeset(page, monkeypatch) -> None:
+    monkeypatch.setattr(pages_of_scenes, "_picture_as_base64", lambda _: ("iVBORw0K+um/um=", ""))
+    shown = scene_page_html(replace(page, picture=SimpleNamespace(title="balls", caption="")))
+    assert 'src="data:image/png;base64,iVBORw0K+um/um="' in shown
 
 
 def test_the_manifest_names_what_the_page_was_made_from(html: str) -> None:
