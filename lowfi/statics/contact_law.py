@@ -12,6 +12,9 @@ from rollbench.meshes.arrays import Array
 SETTLED = 1e-9
 #: Largest number of such steps.
 STEPS = 60
+#: Contact angles [rad] at which the polynomial of a profile error, which is not periodic, ends with a jump: opposite the
+#: middle of the flank, far from any contact with the groove.
+ENDS = (-0.75 * np.pi, 1.25 * np.pi)
 
 
 def contact_law(approach: Array, C: Array, e: Array, h: Array) -> tuple[Array, Array, Array]:
@@ -149,8 +152,7 @@ def approach_to_profiles(
     """
     u = SIGNS * (to_ball + moved)
     gamma, left = np.arctan2(u[..., 1], u[..., 0]), np.ones(u.shape[:-1], dtype=bool)
-    # the polynomial is no periodic function: its jump lies opposite the middle of the flank, where it meets no contact
-    gamma = np.where(gamma < -0.75 * np.pi, gamma + 2.0 * np.pi, gamma)
+    gamma = np.where(gamma < ENDS[0], gamma + 2.0 * np.pi, gamma)
     for _ in range(30):  # (u - A(gamma)) . A'(gamma) = 0: the line from u meets the profile at a right angle (Lin 2.27)
         rho, rho1, rho2 = _radius_with_derivatives(gamma, groove_radius, profile)
         c, s = np.cos(gamma), np.sin(gamma)

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
+from rollbench.lowfi.statics.contact_law import ENDS
 from rollbench.lowfi.statics.contacts import hertz_of_every_contact
 from rollbench.lowfi.statics.problem import SIGNS, ContactState, Problem
 from rollbench.lowfi.statics.settle import contact_angles
@@ -253,19 +254,20 @@ def profile_warning(contacts: ContactState) -> list[ResultWarning]:
     Profile errors shift the centre of curvature of the profile off the groove's centre, by the derivative of the groove's
     radius with respect to the contact angle [m]. If this shift is not small against the distance between groove centre and
     ball centre, there may be several contact points. ``contacts``: contacts in the solution. The profile error
-    is a polynomial of the angle from -180 to 180 deg with a jump at its ends. A ball that is pressed onto the jump has no
-    equilibrium on either side of it.
+    is a polynomial of the angle from -135 to 225 deg with a jump at its ends (`contact_law.ENDS`). A ball that is pressed
+    onto the jump has no equilibrium on either side of it.
     """
     profile = contacts.problem.drawn.profile_coefficients
     if not profile.shape[1]:
         return []
     powers, angle = np.arange(profile.shape[1]), contact_angles(contacts.normal)
     slope = np.abs(np.einsum("sk,nsk->ns", profile[:, 1:] * powers[1:], angle[..., None] ** powers[:-1]))
-    jump = 2.0 * np.abs(profile[:, 1::2] @ np.pi ** powers[1::2])
+    jump = np.abs(profile @ (ENDS[1] ** powers - ENDS[0] ** powers))
     w = SIGNS * (contacts.ball_centres[:, None, :] - contacts.flank_motions - contacts.problem.drawn.groove_centres)
     loaded, size = contacts.force > 0.0, np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-12)
     share = np.where(loaded, slope / size, 0.0)
-    at_end = loaded & (size * (np.pi - np.abs(np.arctan2(w[..., 1], w[..., 0]))) < jump)
+    from_end = np.abs((np.arctan2(w[..., 1], w[..., 0]) - ENDS[0] + np.pi) % (2.0 * np.pi) - np.pi)
+    at_end = loaded & (size * from_end < jump)
     ball, side = np.unravel_index(int((share + at_end * share.max()).argmax()), share.shape)
     if at_end[ball, side]:
         why = (

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
         table,
     )
     from rollbench.compare.errors import InputError
+    from rollbench.compare.gate.verdict import Judgement
     from rollbench.compare.models.programs import model_command
     from rollbench.compare.models.user_models import ModelAnswer
     from rollbench.compare.report.report import report

@@ -173,8 +173,9 @@ def test_named_files_exist(page) -> None:
 
 def test_every_drawing_is_made_and_shown(tmp_path, written) -> None:
     drawings.draw(tmp_path)
-    scene = (written / "scene-file.md").read_text(encoding="utf-8")
-    assert [drawn for drawn in tmp_path.glob("*.svg") if f"_static/{drawn.name}" not in scene] == []
+    pages = [written / "scene-file.md", *(DOCS / "theory").glob("*.md")]
+    shown = "".join(page.read_text(encoding="utf-8") for page in pages)
+    assert [drawn for drawn in tmp_path.glob("*.svg") if f"_static/{drawn.name}" not in shown] == []
     drawn = " ".join(p.read_text(encoding="utf-8") for p in tmp_path.glob("*.svg"))
     assert [key for key in ("screw.length", "track.lead", "nut.flange.seat", "groove_radius") if key not in drawn] == []
 

@@ -411,12 +411,12 @@ def test_a_program_is_compared_judged_and_swept_as_ours_are(command, tmp_path, m
     monkeypatch.chdir(tmp_path)
     found = rollbench.compare_models("lin-case1", [SHARE, "mei"]).models
     reference = rollbench.check("lin-case1", model=SHARE, compute=False)
-    assert np.abs(found[SHARE].errors).max() == pytest.approx(reference.judged[0].of_mean.max_percent)
+    assert np.abs(found[SHARE].errors).max() == pytest.approx(reference.rows[0].of_mean.max_percent)
     assert found[SHARE].seconds > 0.0
     assert np.abs(found["mei"].errors).max() < np.abs(found[SHARE].errors).max()
     code, out, _ = command("check", "lin-case1", "--no-compute", "--model-command", SHARE)
-    judged = f"worst contact {abs(reference.judged[0].error):.2f} % off"  # not the largest in per cent of the mean load
-    assert reference.judged[0].error != pytest.approx(reference.judged[0].of_mean.max_percent, rel=0.01)
+    judged = f"worst contact {abs(reference.rows[0].error):.2f} % off"  # not the largest in per cent of the mean load
+    assert reference.rows[0].error != pytest.approx(reference.rows[0].of_mean.max_percent, rel=0.01)
     assert (code, judged in out.splitlines()[0]) == (1, True)
     command.said(*SWEEP.split(), "--workers", "2", "--model-command", SHARE)
     table = np.genfromtxt(tmp_path / "s/samples.csv", delimiter=",", names=True)
