@@ -18,9 +18,9 @@ from rollbench.meshes.parts import Load, Support
 
 #: The change of the loads for a slope, over that of the product.
 WIDER = 2.0
-#: Round-off of a displacement [m], of positions along half a metre of shaft (2e-16 of them is 1e-16 m). It matters where a
-#: load of some newtons moves a nut with hundreds of preloaded balls by nanometres.
-ROUND_OFF = 2e-17
+#: Round-off of a displacement [m]: that of positions along half a metre of shaft, 2e-16 of them. It matters where the change
+#: of the loads moves a nut or bearing by less than 1e-10 m.
+ROUND_OFF = 1e-16
 #: Scenes with loads on nuts and bearings.
 SHIPPED = [name for name in scene_names() if kind_of_shipped_scene(name) in ("ball screw", "bearing", "axis")]
 #: Scenes whose refined solution takes long.
