@@ -18,8 +18,8 @@ from rollbench.meshes.parts import Load, Support
 
 #: The change of the loads for a slope, over that of the product.
 WIDER = 2.0
-#: Round-off of a displacement [m]: that of positions along half a metre of shaft, 2e-16 of them. It matters where the change
-#: of the loads moves a nut or bearing by less than 1e-10 m.
+#: Round-off of a displacement [m]: that of positions along half a metre of shaft, 2e-16 of them. It matters where the
+#: change of the loads moves a nut or bearing by less than 1e-10 m.
 ROUND_OFF = 1e-16
 #: Scenes with loads on nuts and bearings.
 SHIPPED = [name for name in scene_names() if kind_of_shipped_scene(name) in ("ball screw", "bearing", "axis")]
