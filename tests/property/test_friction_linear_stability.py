@@ -26,12 +26,8 @@ def check(bearing, angles, loads, rng, motion: float = 1e-6) -> ChainMotion:
     motion: agreement asked of the velocities over the carriage's.
     """
     chain = prepare_linear_chain(bearing, angles, loads)
-    one, two = (
-        solve_motion_of_chain(chain),
-        solve_motion_of_chain(
-            chain, start=chain.groove.nominal_motion[0] * rng.uniform(-6.0, 6.0, (len(angles), 4)) / chain.groove.levers
-        ),
-    )
+    start = chain.groove.nominal_motion[0] * rng.uniform(-6.0, 6.0, (len(angles), 4)) / chain.groove.levers
+    one, two = solve_motion_of_chain(chain), solve_motion_of_chain(chain, start=(start, np.zeros(len(angles))))
     case = bearing.mu, angles, loads
     for result in (one, two):
         assert result.converged, (case, result.largest_unbalanced_force, result.largest_gap_violation)
