@@ -454,7 +454,13 @@ class SetResult(Balls):
         return palmgren_load_torque(self.parts, self.preload.axial) if one_way else None
 
     def to_json(self) -> dict[str, Any]:
-        """Return all quantities as JSON; empty without equilibrium."""
+        """Return all quantities as JSON; empty without equilibrium.
+
+        Returns
+        -------
+        dict
+            JSON values by key.
+        """
         if self.loads is None and self.roller_loads is None:
             return {}
         data = record_as_json(self) | (record_as_json(self.rigidities) or {"rigidities_N_per_um": None})

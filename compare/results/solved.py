@@ -381,7 +381,13 @@ class Result(TabularRecord, Balls):
         return add_schema_version(self.to_json())
 
     def to_json(self) -> dict[str, Any]:
-        """Return the result as JSON values by key, without the version number of their format."""
+        """Return the result as JSON values by key, without the version number of their format.
+
+        Returns
+        -------
+        dict
+            JSON values by key.
+        """
         found, of_axis = self.solution, dict[str, Any]()
         numbered = [({} if self.only else {"set": k}, s) for k, s in enumerate(self.sets.values(), 1)]
         if isinstance(found, AxisResult):
@@ -412,7 +418,13 @@ class Result(TabularRecord, Balls):
         }
 
     def summary(self) -> dict[str, Any]:
-        """Return the results of the whole scene, and those of its only nut or bearing or of the worst one, as JSON."""
+        """Return the results of the whole scene, and those of its only nut or bearing or of the worst one, as JSON.
+
+        Returns
+        -------
+        dict
+            JSON values by key.
+        """
         stiffness = self._stiffness_json()
         if self.only is not None:
             extra = {} if stiffness is None else {"stiffness": stiffness}
@@ -564,6 +576,11 @@ class Result(TabularRecord, Balls):
             Folders with runs of the 3D reference; None: the runs shipped with rollbench.
         given
             User's reference loads, shown instead of the stored runs; None: there are none.
+
+        Returns
+        -------
+        reports.content.SceneView
+            What the 3D view shows.
         """
         from rollbench.reports.content import SceneView
 
@@ -612,6 +629,11 @@ class Result(TabularRecord, Balls):
         ----------
         details
             Whether to include quantities that a designer seldom needs.
+
+        Returns
+        -------
+        list
+            Rows of the table: quantity, value, unit, error to expect and note.
         """
         if not self.converged:
             return []
@@ -727,7 +749,13 @@ class CycleResult(Result):
         return self.together.shortest_lives.reference
 
     def to_json(self) -> dict[str, Any]:
-        """Return the result as JSON: the results of each load case, and the extremes and lives over all cases."""
+        """Return the result as JSON: the results of each load case, and the extremes and lives over all cases.
+
+        Returns
+        -------
+        dict
+            JSON values by key.
+        """
         each = zip(self.cycle.cases, self.cases.values(), strict=True)
         return {
             "scene": self.scene,
@@ -743,6 +771,11 @@ class CycleResult(Result):
         """Return the extremes over all load cases, and the lives over the duty cycle, as JSON.
 
         With several nuts or bearings, ``sets`` has the lives of each.
+
+        Returns
+        -------
+        dict
+            JSON values by key.
         """
         lives = self.together.lives
         if len(lives) == 1:
@@ -751,7 +784,13 @@ class CycleResult(Result):
         return record_as_json(self.together) | record_as_json(self.together.shortest_lives) | {"sets": sets}
 
     def columns(self) -> dict[str, Any]:
-        """Return the columns of `to_dataframe` without pandas: those of each load case, and the name of the case."""
+        """Return the columns of `to_dataframe` without pandas: those of each load case, and the name of the case.
+
+        Returns
+        -------
+        dict
+            Values of each column, by its name.
+        """
         return _stack_columns("case", {name: one.columns() for name, one in self.cases.items()})
 
     def _panels(self, case: str = "") -> list[Panel]:
@@ -759,7 +798,13 @@ class CycleResult(Result):
         return [p for name, one in self.cases.items() for p in one._panels(", ".join(filter(None, (case, name))))]
 
     def table(self) -> Sequence[Row]:
-        """Return the rows of the table with the quantities of all load cases together."""
+        """Return the rows of the table with the quantities of all load cases together.
+
+        Returns
+        -------
+        list
+            Rows of the table.
+        """
         return duty_cycle_rows(self.together)
 
 
