@@ -115,7 +115,8 @@ def section(scene):
 
 def test_the_page_shows_torque_over_turn_coefficient_and_play():
     found = section(SCENE)
-    turn, coefficient, play = (panel.series[0] for panel in found.items[1].panels)
+    turn, coefficient, play, lost = (panel.series[0] for panel in found.items[1].panels)
+    assert lost.x[-1] == pytest.approx(sum(lost.x[:-1])), "the last bar is the sum over the flanks"
     given = whole.solve_friction_of_screw_or_bearing(replace(SCENE, time=None), whole.FrictionChoices()).data
     torque = given["torque"]["friction_torque_Nmm"]
     assert turn.y[0] == pytest.approx(torque, rel=2e-2)

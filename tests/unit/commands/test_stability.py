@@ -85,7 +85,8 @@ def test_other_loads_than_the_law_of_a_slice_are_found():
     case = CASES[MIXED + "across 1000 N"]
     found = solve_assembly(case.scene)
     row = found.sets[3]
-    assert extremes.roller_slice_law_residual(row, found) < 1e-12
+    # round-off by the order of sums, which differs with what ran before: 0.7e-12 to 1.5e-12
+    assert extremes.roller_slice_law_residual(row, found) < 5e-12
     lines = row.line_loads.copy()
     lines[0, 0] *= 1.0 + 1e-6
     assert extremes.roller_slice_law_residual(replace(row, line_loads=lines), found) > extremes.SLICES

@@ -18,7 +18,7 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 def test_passes_with_every_kind_of_check() -> None:
     rows = check_shipped_data(STUDY, 7.0)
     assert len(rows) > 50
-    assert [row.name for row in rows if not row.passed] == []
+    assert [row.subject for row in rows if not row.passed] == []
     each = {"printed, hard", "external, band", "printed, as-printed", "input, used by its scene", "claim, hard"}
     each |= {"closed form", "balance", "two solvers", "3D reference", "3D reference, tight", "source's model", "3D rolling"}
     assert {row.kind for row in rows} == each

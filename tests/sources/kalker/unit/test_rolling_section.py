@@ -80,12 +80,12 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
 @pytest.mark.usefixtures("_low")
 def test_gate_fails_where_the_low_order_model_is_off_and_for_a_known_exceedance_that_is_none(monkeypatch):
     rows = rolling_rows.checks_of_rolling_balls(SceneResultCache(), 7.0)
-    assert ([row.name for row in rows if not row.passed], len(rows)) == ([], len(LOW))
+    assert ([row.subject for row in rows if not row.passed], len(rows)) == ([], len(LOW))
     monkeypatch.setitem(LOW, "lin-screw-pair-a", 1.05)
     assert sum(not row.passed for row in rolling_rows.checks_of_rolling_balls(SceneResultCache(), 7.0)) == 1
     monkeypatch.setitem(rolling_rows.KNOWN, ("lin-rotary-2", "torque"), "made up")
     rows = rolling_rows.checks_of_rolling_balls(SceneResultCache(), 7.0)
-    assert [row.passed for row in rows if "made up" in row.name] == [False]
+    assert [row.passed for row in rows if "made up" in row.subject] == [False]
 
 
 def stored_variants():
