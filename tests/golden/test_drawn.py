@@ -23,7 +23,7 @@ from tests.golden.means import answered, numbers_by_name
 from rollbench.compare.errors import InputError, SceneNotCoveredError
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.models.set_results import SetResult
-from rollbench.compare.results.solved import Result, solve_shaft, solve_with_results
+from rollbench.compare.results.solved import Result, solve_with_results
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import KINDS
 from rollbench.compare.studies import survey
@@ -142,7 +142,7 @@ def solved(text: str, model: str) -> Any:
         loose = next((text for text in several.left_out if HELD in text), "")
         if re.search("u[xyz]|r[xy]", loose):  # round-off decides where it comes to rest
             return several.status, [s.loads for s in several.sets]
-        return answers(solve_shaft(described, model))
+        return several
     scene = scene_file.single_nut_scene_or_raise(described, "drawn.toml")
     return answers(solve_with_results(scene, model, WITHOUT_MESH_ERROR))
 
