@@ -21,7 +21,7 @@ def test_passes_with_every_kind_of_check() -> None:
     assert [row.subject for row in rows if not row.passed] == []
     each = {"printed, hard", "external, band", "printed, as-printed", "input, used by its scene", "claim, hard"}
     each |= {"closed form", "balance", "two solvers", "3D reference", "3D reference, tight", "source's model", "3D rolling"}
-    assert {row.kind for row in rows} == each
+    assert {row.quantity for row in rows} == each
 
 
 def test_a_stiffness_off_by_20_per_cent_fails(monkeypatch: pytest.MonkeyPatch) -> None:
