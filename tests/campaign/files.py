@@ -15,10 +15,10 @@ from tests.campaign.draw import scene_text
 from tests.campaign.scenes import placed
 
 from rollbench.compare.errors import SceneError
+from rollbench.compare.files import replace_file
 from rollbench.compare.reference.store import read_checked_data, run_text_with_checksum
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.meshes.condensed import CondensedBodies, read_condensed_bodies
-from rollbench.meshes.files import temporary_path
 
 #: What a mutated file may become.
 READ, REFUSED, CRASHED, CHANGED = "read as before", "refused", "traceback", "other numbers read"
@@ -142,7 +142,7 @@ def kills(seed: int, count: int) -> Iterator[FileOutcome]:
                 child.kill()
             text = path.read_text(encoding="utf-8") if path.exists() else ""
             whole = text == "" or (len(text) == 400_000 and len(set(text)) == 1)
-            temporary_path(path)  # what the next writer does first
+            replace_file(path, text)  # the next writer
             left = [p.name for p in Path(folder).iterdir() if p != path]
             yield FileOutcome("kill", "whole" if whole else "half-written", whole and not left, ", ".join(left))
 

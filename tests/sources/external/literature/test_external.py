@@ -45,7 +45,7 @@ def test_the_gate_fails_for_a_value_beyond_its_band() -> None:
     tilt = found("external-masta:tilt")
     values = (share * tilt.printed.high for share in (1.001, 0.999))
     beyond, within = (gate_check_of_tolerance_band(replace(tilt, value=value)) for value in values)
-    assert (beyond.verdict, beyond.limit_percent, within.verdict) == ("FAIL", pytest.approx(2.0), "ok")
+    assert (beyond.judgement, beyond.limit, within.judgement) == ("FAIL", pytest.approx(2.0), "ok")
 
 
 @pytest.mark.parametrize(("size", "times", "printed"), [("5", 2, 1.814), ("7p5", 3, 2.578)])
