@@ -34,7 +34,7 @@ def bench(
     store: Annotated[Path | None, Parameter(show_default=False)] = None,
     as_json: Json = False,
 ) -> int:
-    """Measure computing times on this computer: of models (with their errors), of whole commands, and with several threads.
+    """Measure computing times on this computer: of models (with their errors) and of whole commands.
 
     Parameters
     ----------
@@ -42,8 +42,7 @@ def bench(
         Scenes with a 3D reference, on which the models are timed. Default: lin-case1; with --long all scenes that the
         report compares.
     long
-        Also time every mesh level of the 3D reference, which takes about an hour on idle cores, but
-        not the effect of several threads.
+        Also time every mesh level of the 3D reference, which takes about an hour on idle cores, but no commands.
     source
         Measure only the times that the page of this publication shows (such as lin), which takes ten to fifteen minutes on
         two idle cores.
@@ -134,11 +133,11 @@ def measure_drawn_screws(store: Path) -> CommandOutput:
 
 
 def measure_default_times(names: Sequence[str], store: Path | None, *, long: bool) -> CommandOutput:
-    """Measure computing times of models, commands and threads, and return a table of them.
+    """Measure computing times of models and commands, and return a table of them.
 
     ``names``: scenes; if empty, lin-case1 or, with ``long``, all scenes that the report compares. ``store``: folder in
-    which the times are stored; None: not stored. ``long``: time the mesh levels of the 3D reference instead of commands
-    and threads. Raises InputError for a scene without a 3D reference.
+    which the times are stored; None: not stored. ``long``: time the mesh levels of the 3D reference instead of commands.
+    Raises InputError for a scene without a 3D reference.
     """
     from rollbench.compare.sections.reference_time import measure_command_times
     from rollbench.compare.studies.run_times import TYPED, save_run_times, time_ensemble

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.compare.cases.lin.reconstruction import readings as combined
+from rollbench.compare.cases.lin.reconstruction.explanations import ERRORS, evaluate_explanations
 from rollbench.compare.evidence import ComputedEntryValues, count_in_words
 from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import PRINTED
@@ -274,8 +274,8 @@ def _compare_with_ansys(cache: SceneResultCache, findings: ComputedEntryValues) 
     Lin prints only the errors against ANSYS, not its loads. ``findings``: receives the results; ``cache``: gives solved
     scenes and stored 3D references.
     """
-    every = [c.errors_percent["own"] for c in cache.compute_once(combined.evaluate_combinations) if not c.contradicts_text]
-    readings = dict(zip(combined.ERRORS, zip(*every, strict=True), strict=True))
+    every = [c.errors_percent for c in cache.compute_once(evaluate_explanations)]
+    explained = dict(zip(ERRORS, zip(*every, strict=True), strict=True))
     for name, (largest, rms, _) in PRINTED.items():
         found = cache.stored_reference(name)
         if found is None:
@@ -286,11 +286,8 @@ def _compare_with_ansys(cache: SceneResultCache, findings: ComputedEntryValues) 
                 "computed here: Lin's model against this project's 3D reference, in per cent of each load "
                 f"({mean:.2f} % of the mean load); Lin's ANSYS loads are not printed"
             )
-            values = readings[key]
-            others = (
-                f"{len(values)} combinations of interpretations of what the text leaves open give {min(values):.2f} to "
-            )
-            findings.add_number(key, error, f"{words}; {others}{max(values):.2f} % (section reconstruction)")
+            others = f"explanations of the printed errors give {min(explained[key]):.2f} to {max(explained[key]):.2f} %"
+            findings.add_number(key, error, f"{words}; {others} (section reconstruction)")
 
 
 # --- case study 1 under the choices that the thesis leaves open, and under its faults

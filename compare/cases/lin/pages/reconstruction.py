@@ -1,4 +1,4 @@
-"""Report section on the origin of the model errors printed in Lin 2.4.1: combined interpretations of the text."""
+"""Report section on the origin of the model errors printed in Lin 2.4.1: two explanations, and what each misses."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence.chapter_2 import END_SUPPORTS
-from rollbench.compare.cases.lin.reconstruction import readings
-from rollbench.compare.measure import error_percent, mean_load
+from rollbench.compare.cases.lin.reconstruction import explanations
+from rollbench.compare.cases.lin.reconstruction.explanations import ERRORS, FINER, PENALTY_LEVEL, SOFT, ExplanationResult
+from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
@@ -165,20 +166,13 @@ def _ball_force_row(case: str) -> Row:
     )
 
 
-# --- origin of the printed errors of 2.4.1: combined interpretations of inputs that the text leaves open
+# --- origin of the printed errors of 2.4.1: two explanations
 
 
-#: Columns with the interpretations of both models.
-LOW_ORDER_READINGS = TableColumn("low order", "how the text is interpreted in the low-order model", "", "s")
-READINGS_IN_3D = TableColumn("3D", "how the text is interpreted in the 3D model", "", "s")
-#: Definitions of errors in words.
-WORDS: dict[readings.Definition, str] = {"own": "of the contact's load", "mean": "of the mean load"}
-#: Assumed scatters [%] of the approach, besides the measured one.
-TRIED = (1.0, 2.0, 3.0)
+EXPLANATION = TableColumn("explanation", "possible explanation", "", "s")
 ABOUT_IT = (
     'What Lin did is not known. For both models he prints a largest load of "about 1.34" times the smallest, and '
-    "four errors of his model against ANSYS. Interpretations of what his text leaves open are combined, and each "
-    "combination is shown with its deviations from these six numbers; no tolerance decides between the combinations. "
+    "four errors of his model against ANSYS. Each explanation is shown with its deviations from these six numbers. "
     "3D results are computed on the coarsest mesh, those with a contact penalty on the next finer one."
 )
 
@@ -188,40 +182,20 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
 
     ``cache``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
-    step("combined interpretations of Lin's section 2.4.1")
-    found = cache.compute_once(readings.evaluate_combinations)
+    step("explanations of the errors in Lin's section 2.4.1")
+    found = cache.compute_once(explanations.evaluate_explanations)
     return Section(
         "reconstruction",
         "Lin 2.4.1: possible origin of the model error of 5.38 % that the thesis prints",
         (
-            Text(
-                (
-                    origin_of_error_paragraph(found),
-                    ABOUT_IT,
-                    contact_penalty_paragraph(cache),
-                    mesh_scatter_paragraph(cache, found),
-                    friction_in_3d_paragraph(cache),
-                )
-            ),
+            Text((origin_of_error_paragraph(found), ABOUT_IT, contact_penalty_paragraph(cache))),
             ratios_and_errors_by_explanation_table(found),
             deviations_from_print_table(found),
-            combinations_figure(found),
-            single_interpretation_table(found),
-            combination_table(found),
+            explanations_figure(found),
             model_comparison_statements_table(cache),
         ),
         conclusion=origin_of_error_conclusion(found),
     )
-
-
-def combination_in_words(combination: readings.Combination) -> str:
-    """Return in words a combination of interpretations of Lin's text, such as "Hertz constants: as printed; ..."."""
-    return "; ".join(f"{r.modelling_choice}: {r.description}" for r in combination) or "as by default"
-
-
-def _errors_in_words(values: Sequence[float]) -> str:
-    """Return in words four errors [%] of low-order against 3D loads: largest and RMS of Lin's case 1, then of case 2."""
-    return f"{values[0]:.2f} / {values[1]:.2f} % (case 1) and {values[2]:.2f} / {values[3]:.2f} % (case 2)"
 
 
 def error_fall_and_rise_to_case_2(errors: Sequence[float]) -> tuple[float, float]:
@@ -233,75 +207,62 @@ def error_fall_and_rise_to_case_2(errors: Sequence[float]) -> tuple[float, float
     return errors[0] - errors[2], errors[3] - errors[1]
 
 
-def origin_of_error_conclusion(found: list[readings.CombinationResult]) -> str:
+def origin_of_error_conclusion(found: list[ExplanationResult]) -> str:
     """Return the conclusion that the origin of the largest error that Lin prints, 5.38 %, is not identified.
 
-    The error is that of his low-order contact loads against ANSYS in case 1. The conclusion states the range of the
-    computed error over all combinations of interpretations of the text. ``found``: results of all combinations, of which
-    the first has all choices by default.
+    The error is that of his low-order contact loads against ANSYS in case 1. ``found``: results of all explanations, of
+    which the first has all choices by default.
     """
-    errors = [c.errors_percent["own"][0] for c in found if not c.contradicts_text]
-    missed = float(np.sqrt(np.mean(readings.combination_nearest_to_print(found).deviations_from_print ** 2)))
+    errors = [c.errors_percent[0] for c in found]
+    missed = min(float(np.sqrt(np.mean(c.deviations_from_print**2))) for c in found)
     return (
-        f"The origin of the largest model error that Lin prints, {readings.printed_errors_percent()[0]:.2f} %, is not "
-        f"identified. Computed on level {readings.LEVEL} of the 3D mesh, this error is "
-        f"{found[0].errors_percent['own'][0]:.2f} % by default, and {min(errors):.2f} to {max(errors):.2f} % by "
-        f"{len(errors)} combinations of interpretations of what the text leaves open; {len(found) - len(errors)} further "
-        "combinations contradict the text (table lin-sentences-compared: finest mesh). The nearest combination misses the "
-        f"two ratios and four errors that are printed by {missed:.2f} % (root mean square)."
+        f"The origin of the largest model error that Lin prints, {explanations.printed_errors_percent()[0]:.2f} %, is not "
+        f"identified. Computed on level {explanations.LEVEL} of the 3D mesh, this error is {errors[0]:.2f} % by default, "
+        f"{min(errors):.2f} to {max(errors):.2f} % by the explanations (table lin-sentences-compared: finest mesh). The "
+        f"nearest one misses the two ratios and four errors that are printed by {missed:.2f} % (root mean square)."
     )
 
 
-def origin_of_error_paragraph(found: list[readings.CombinationResult]) -> str:
+def origin_of_error_paragraph(found: list[ExplanationResult]) -> str:
     """Return the paragraph on the origin of the printed errors, and on two explanations that nearly yield them.
 
-    The errors are those of Lin's low-order contact loads against ANSYS.
-    ``found``: results of all combinations of interpretations, of which the first has all choices by default.
+    The errors are those of Lin's low-order contact loads against ANSYS. ``found``: results of all explanations.
     """
-    printed, shown = readings.printed_errors_percent(), readings.explanations_shown_in_report(found)
-    near = shown["nearest in the ratio, no penalty"]
-    penalties = (c for c in shown.values() if not c.low_order_readings)
-    soft = [c for c in penalties if any(r.relative_penalty for r in c.readings_in_3d)]
+    default, near, *soft = found
     errors = ", ".join(
-        f"{label} {_first_to_last_in_words([c.errors_percent['own'][k] for c in soft])} %"
+        f"{label} {_first_to_last_in_words([c.errors_percent[k] for c in soft])} %"
         for k, label in enumerate(("largest", "RMS", "largest of case 2", "its RMS"))
     )
-    best = shown["nearest in all six"]
     return (
-        f"Where does 5.38 % come from? It is not identified. Printed are errors of {_errors_in_words(printed)}, largest / "
-        f"RMS, and a ratio of largest to smallest load of about {readings.printed_load_ratio():g} in both models. Two "
-        "explanations come near, and each misses a part. The interpretations nearest to this ratio "
-        f"({combination_in_words(near.low_order_readings)}; {combination_in_words(near.readings_in_3d)}) have "
+        "Where does 5.38 % come from? It is not identified. Printed are errors of "
+        f"{_errors_in_words(explanations.printed_errors_percent())}, largest / "
+        f"RMS, and a ratio of largest to smallest load of about {explanations.printed_load_ratio():g} in both models. Two "
+        f"explanations come near, and each misses a part. The first ({near.of.low_order}; {near.of.in_3d}) has "
         f"{_ratios_and_errors_in_words(near)}. Contacts of the 3D model that a penalty makes softer, all else by default, "
         f"have a ratio of {_first_to_last_in_words([c.ratio_in_3d for c in soft], 3)} with {soft[0].low_order_ratio:.3f} "
         f"in the low-order model, {errors}, and "
         f"{_first_to_last_in_words([_error_fall_over_printed_percent(c) for c in soft], 0)} % of the printed fall. By "
-        f"default: {_ratios_and_errors_in_words(found[0])}. Nearest in all six numbers "
-        f"({combination_in_words(best.low_order_readings)}; {combination_in_words(best.readings_in_3d)}): "
-        f"{_ratios_and_errors_in_words(best)}."
+        f"default: {_ratios_and_errors_in_words(default)}."
     )
 
 
-def _ratios_and_errors_in_words(result: readings.CombinationResult) -> str:
-    """Return in words load ratios and model errors of a combination of interpretations, ``result``.
+def _errors_in_words(values: Sequence[float]) -> str:
+    """Return in words four errors [%] of low-order against 3D loads: largest and RMS of Lin's case 1, then of case 2."""
+    return f"{values[0]:.2f} / {values[1]:.2f} % (case 1) and {values[2]:.2f} / {values[3]:.2f} % (case 2)"
 
-    The load ratio is the largest load of case 1 divided by its smallest load, by the low-order and by the 3D model; the
-    errors are those of the low-order loads against the 3D loads.
-    """
+
+def _ratios_and_errors_in_words(result: ExplanationResult) -> str:
+    """Return in words load ratios and model errors of an explanation, and how much of the printed fall it gives."""
     return (
         f"ratios of {result.low_order_ratio:.3f} and {result.ratio_in_3d:.3f}, errors of "
-        f"{_errors_in_words(result.errors_percent['own'])}, {_error_fall_over_printed_percent(result):.0f} % of the "
-        "printed fall"
+        f"{_errors_in_words(result.errors_percent)}, {_error_fall_over_printed_percent(result):.0f} % of the printed fall"
     )
 
 
-def _error_fall_over_printed_percent(result: readings.CombinationResult) -> float:
-    """Return the fall of the largest error from case 1 to case 2, in per cent of the fall that Lin prints.
-
-    The error is that of low-order against 3D contact loads; ``result``: errors of a combination of interpretations.
-    """
-    computed, printed = result.errors_percent["own"], readings.printed_errors_percent()
-    return 100.0 * error_fall_and_rise_to_case_2(computed)[0] / error_fall_and_rise_to_case_2(printed)[0]
+def _error_fall_over_printed_percent(result: ExplanationResult) -> float:
+    """Return the fall of the largest error from case 1 to case 2, in per cent of the fall that Lin prints."""
+    falls = (error_fall_and_rise_to_case_2(x)[0] for x in (result.errors_percent, explanations.printed_errors_percent()))
+    return 100.0 * next(falls) / next(falls)
 
 
 def _first_to_last_in_words(values: Sequence[float], digits: int = 2) -> str:
@@ -312,139 +273,64 @@ def _first_to_last_in_words(values: Sequence[float], digits: int = 2) -> str:
 def contact_penalty_paragraph(cache: SceneResultCache) -> str:
     """Return the paragraph on 3D contacts with a penalty: how much softer they are than Hertz contacts; effect of the mesh.
 
-    ``cache``: gives solved scenes and stored 3D results.
+    ``cache``: gives solved scenes.
     """
-    soft = [(r, readings.penalty_over_hertz_approach(cache, (r,))) for r in readings.SOLID if r.relative_penalty]
-    sizes = ", ".join(f"{r.description}: {100.0 * x / (1.0 + x):.0f} %" for r, x in soft)
-    levels = readings.PENALTY_LEVEL, readings.PENALTY_LEVEL + 1
-    low = readings.low_order_loads(cache, ())
-    in_3d = [readings.required_loads_in_3d(cache, readings.FINER, level) for level in levels]
-    coarse, fine = (np.array(readings.low_order_errors_percent(low, loads)["own"]) for loads in in_3d)
-    ratios = [readings.load_ratio(loads[0]) for loads in in_3d]
+    soft = [(e.in_3d.partition(": ")[2], explanations.penalty_over_hertz_approach(e)) for e in SOFT]
+    sizes = ", ".join(f"{size}: {100.0 * x / (1.0 + x):.0f} %" for size, x in soft)
+    in_3d = [explanations.runs_in_3d(FINER, level) for level in (PENALTY_LEVEL, PENALTY_LEVEL + 1)]
+    coarse, fine = (np.array(explanations.low_order_errors_percent(cache, FINER, runs)) for runs in in_3d)
+    ratios = [explanations.load_ratio(runs[0].load) for runs in in_3d]
     return (
         "Of the contacts, the text only prints their formulation, an augmented Lagrangian, with all other settings by "
         "default. This formulation leaves a penetration below a tolerance, as a penalty does, so that contacts are softer. "
         "Size of the penalty and tolerance are not printed. In 3D, the penalty is computed as a compliance in series at "
         "every pair of nodes. Under the mean load, the stiffness of a contact is lower by the following fractions: "
-        f"{sizes}. The next mesh level changes the errors with {readings.FINER[0].description} by "
+        f"{sizes}. The next mesh level changes the errors with a quarter of E/h by "
         f"{np.abs(fine - coarse).max():.2f} points at most and the ratio from {ratios[0]:.3f} to {ratios[1]:.3f}."
     )
 
 
-def mesh_scatter_paragraph(cache: SceneResultCache, found: list[readings.CombinationResult]) -> str:
-    """Return the paragraph on whether a contact stiffness that differs between meshes can cause the printed errors.
-
-    The paragraph states, for several sizes of the scatter, the probability that the errors of the low-order model change
-    from case 1 to case 2 by at least half of the printed change. ``cache``: gives solved scenes and stored 3D results;
-    ``found``: results of all combinations of interpretations.
-    """
-    falls, rises = error_fall_and_rise_to_case_2(readings.printed_errors_percent())
-    best = readings.combination_nearest_to_print(readings.combinations_without_penalty(found), 2)
-    low = readings.low_order_loads(cache, best.low_order_readings)
-    in_3d = readings.required_loads_in_3d(cache, best.readings_in_3d)
-    odds = {}
-    for s in (readings.SCATTER, *TRIED):
-        errors = readings.low_order_errors_on_random_meshes(low, in_3d, s)
-        odds[s] = readings.fraction_of_meshes_with_fall_and_rise(errors, 0.5 * falls, 0.5 * rises)
-    chances = ", ".join(f"{s:g} %: {100.0 * p:.1f} %" for s, p in odds.items())
-    return (
-        f"From case 1 to case 2 the printed largest error falls by {falls:.2f} and the RMS rises by {rises:.2f} points. "
-        "With the interpretations nearest to the load ratio, one oversize ball changes both models alike. Tetrahedra of "
-        f"about 0.08 mm make a contact {-readings.BIAS:g} % too stiff, and its approach scatters by {readings.SCATTER:g} % "
-        "from mesh to mesh. If both cases have different meshes, half of this fall and of this rise occurs with the "
-        f"following probability, for each scatter of the approach: {chances}. The mesh explains fall and rise only if this "
-        "scatter is several times the one measured on one contact."
-    )
-
-
-def friction_in_3d_paragraph(cache: SceneResultCache) -> str:
-    """Return the paragraph on the effect of the printed coefficient of friction in 3D, for rolling and sliding balls.
-
-    ``cache``: gives solved scenes and stored 3D results.
-    """
-    scene, base = cache.built_in_scene(readings.CASES[0]), readings.required_loads_in_3d(cache, ())
-    friction = [r for r in readings.SOLID if r.modelling_choice == readings.FRICTION]
-    changed = {r.short_name: readings.required_loads_in_3d(cache, (r,)) for r in friction}
-    ratio = readings.load_ratio
-    moved = {key: float(error_percent(ratio(loads[0]), ratio(base[0]))) for key, loads in changed.items()}
-    pairs = zip(changed["off-line"], base, strict=True)
-    most = max(float(np.abs(error_percent(a, b, mean_load(b))).max()) for a, b in pairs)
-    mean = {key: float(error_percent(mean_load(loads[0]), mean_load(base[0]))) for key, loads in changed.items()}
-    worst = 100.0 * readings.largest_relative_rise_by_friction(scene, lambda s: ratio(cache.solve_once(s, "lin").load))
-    slope = float(np.abs(cache.solve_once(scene, "lin").centreline[:, 3:5]).max())
-    return (
-        f"Friction of {readings.MU:g} is computed, too. Two contact forces act on a ball, along the line through its "
-        "contacts. On a rolling ball friction acts only if the ball lies beside the line through the arcs' centres; it "
-        f"shifts both forces and turns neither. If all balls lie as far beside as {readings.MU:g} can hold them, they "
-        f"change no load by more than {most:.3f} % of the mean and the ratio by {moved['off-line']:+.3f} %; only those "
-        f"that raise the ratio change it by {worst:+.1f} % (low order). For this, the grooves would have to tilt by "
-        f"{1e3 * readings.tilt_at_onset_of_sliding(scene):.1f} mrad against each other, but the shaft's largest slope is "
-        f"{1e3 * slope:.2f} mrad: friction hardly acts on rolling balls. In a model whose balls cannot turn, grooves slide "
-        f"on them. Friction then bears {-mean['sliding']:.2f} % of the load where the screw is pushed on, and adds "
-        f"{mean['sliding-back']:.2f} % where it moves back; the ratio changes by {moved['sliding']:+.2f} and "
-        f"{moved['sliding-back']:+.2f} %, less than the 0.5 % from which interpretations are combined."
-    )
-
-
-def ratios_and_errors_by_explanation_table(found: list[readings.CombinationResult]) -> Table:
-    """Return the table of load ratio and model errors: printed by Lin, and by each possible explanation of these numbers.
+def ratios_and_errors_by_explanation_table(found: list[ExplanationResult]) -> Table:
+    """Return the table of load ratio and model errors: printed by Lin, and by each explanation of these numbers.
 
     Load ratio: largest over smallest load of case 1; model errors: of the low-order loads against the 3D loads.
-    ``found``: results of all combinations of interpretations.
+    ``found``: results of all explanations.
     """
-    printed = readings.printed_load_ratio(), readings.printed_load_ratio(), *readings.printed_errors_percent()
-    given = {
-        name: (c.low_order_ratio, c.ratio_in_3d, *c.errors_percent["own"])
-        for name, c in readings.explanations_shown_in_report(found).items()
-    }
+    ratio = explanations.printed_load_ratio()
+    printed = "printed", (ratio, ratio, *explanations.printed_errors_percent())
+    given = [(c.of.name, (c.low_order_ratio, c.ratio_in_3d, *c.errors_percent)) for c in found]
     rows: list[Row] = [
-        {TableColumn("explanation", "possible explanation", "", "s"): name, **_ratio_and_error_cells(values, ".3f", ".2f")}
-        for name, values in [("printed", printed), *given.items()]
+        {EXPLANATION: name, **_ratio_and_error_cells(values, ".3f", ".2f")} for name, values in (printed, *given)
     ]
     title = "Ratio of largest to smallest load, and model errors: printed in Lin 2.4.1, and by each possible explanation"
     return Table.from_rows("reconstruction", title, rows)
 
 
-def deviations_from_print_table(found: list[readings.CombinationResult]) -> Table:
+def deviations_from_print_table(found: list[ExplanationResult]) -> Table:
     """Return the table of deviations from the printed load ratio and model errors, a row for each possible explanation.
 
     Load ratio: largest over smallest load of case 1; model errors: of the low-order loads against the 3D loads.
-    ``found``: results of all combinations of interpretations.
+    ``found``: results of all explanations.
     """
-    printed = error_fall_and_rise_to_case_2(readings.printed_errors_percent())
+    printed = error_fall_and_rise_to_case_2(explanations.printed_errors_percent())
+    fall_off = "fall of the largest error from case 1 to 2, computed minus printed"
+    rise_off = "rise of the RMS error from case 1 to 2, computed minus printed"
     rows: list[Row] = []
-    for name, c in readings.explanations_shown_in_report(found).items():
-        computed = error_fall_and_rise_to_case_2(c.errors_percent["own"])
-        fall, rise = (float(a - b) for a, b in zip(computed, printed, strict=True))
-        row: Row = {
-            TableColumn("explanation", "possible explanation", "", "s"): name,
-            LOW_ORDER_READINGS: combination_in_words(c.low_order_readings),
-            READINGS_IN_3D: combination_in_words(c.readings_in_3d),
-        }
-        row |= _ratio_and_error_cells(tuple(c.deviations_from_print), "+.1f", "+.2f", "%")
-        row[
-            TableColumn(
-                "fall_off",
-                "fall of the largest error from case 1 to 2, computed minus printed",
-                "percentage points",
-                "+.2f",
-            )
-        ] = fall
-        row[
-            TableColumn(
-                "rise_off", "rise of the RMS error from case 1 to 2, computed minus printed", "percentage points", "+.2f"
-            )
-        ] = rise
-        rows.append(row)
+    for c in found:
+        fall, rise = np.subtract(error_fall_and_rise_to_case_2(c.errors_percent), printed)
+        rows.append(
+            {
+                EXPLANATION: c.of.name,
+                TableColumn("low order", "how the text is interpreted in the low-order model", "", "s"): c.of.low_order,
+                TableColumn("3D", "how the text is interpreted in the 3D model", "", "s"): c.of.in_3d,
+                **_ratio_and_error_cells(tuple(c.deviations_from_print), "+.1f", "+.2f", "%"),
+                TableColumn("fall_off", fall_off, "percentage points", "+.2f"): float(fall),
+                TableColumn("rise_off", rise_off, "percentage points", "+.2f"): float(rise),
+            }
+        )
     note = "Deviations of the load ratios: in per cent of the printed ratio; of the model errors: in percentage points."
     title = "Ratio of largest to smallest load, and model errors: deviations from Lin 2.4.1 by each possible explanation"
     return Table.from_rows("reconstruction-missed", title, rows, note)
-
-
-def _error_in_words(key: str) -> str:
-    """Return the model error of a key of `ERRORS` in words, such as "RMS error in case 1" for "case1_rms_error"."""
-    case, kind, _ = key.split("_")
-    return f"{'largest' if kind == 'max' else 'RMS'} error in {case.replace('case', 'case ')}"
 
 
 def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit: str = "") -> Row:
@@ -460,132 +346,33 @@ def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit
         TableColumn("low_ratio", f"{heading}, low-order model", unit, ratio): float(values[0]),
         TableColumn("solid_ratio", f"{heading}, 3D model", unit, ratio): float(values[1]),
     }
-    for key, value in zip(readings.ERRORS, values[2:], strict=True):
-        heading = f"{start}{_error_in_words(key)}"
-        row[TableColumn(f"own_{key}", heading, "percentage points" if unit else f"% {WORDS['own']}", error)] = float(value)
+    for key, value in zip(ERRORS, values[2:], strict=True):
+        case, kind, _ = key.split("_")
+        heading = f"{start}{'largest' if kind == 'max' else 'RMS'} error in {case.replace('case', 'case ')}"
+        of = "percentage points" if unit else "% of the contact's load"
+        row[TableColumn(f"own_{key}", heading, of, error)] = float(value)
     return row
 
 
-def _ratio_cells_and_errors_by_definition(result: readings.CombinationResult) -> Row:
-    """Return table cells of a combination of interpretations: ratio of largest to smallest load by both models, errors.
+def explanations_figure(found: list[ExplanationResult]) -> Figure:
+    """Draw ratios of largest to smallest load and model errors by all explanations, and as printed.
 
-    The errors of the low-order loads against the 3D loads are in per cent of each load, then in per cent of the mean load.
+    ``found``: results of the explanations.
     """
-    row: Row = {
-        TableColumn("low_ratio", "ratio of largest to smallest load, low-order model", "", ".3f"): result.low_order_ratio,
-        TableColumn("solid_ratio", "ratio of largest to smallest load, 3D model", "", ".3f"): result.ratio_in_3d,
-    }
-    for definition in readings.DEFINITIONS:
-        for key, value in zip(readings.ERRORS, result.errors_percent[definition], strict=True):
-            row[TableColumn(f"{definition}_{key}", _error_in_words(key), f"% {WORDS[definition]}", ".2f")] = value
-    return row
+    ratio, printed = explanations.printed_load_ratio(), explanations.printed_errors_percent()
 
+    def scatter_series(points: Sequence[tuple[float, float]], aim: tuple[float, float]) -> tuple[Series, Series]:
+        """Return markers for all explanations and one for the printed values; abscissa and ordinate of each."""
+        names = [c.of.name for c in found]
+        shown = Series("explanations", [x for x, _ in points], [y for _, y in points], "markers", point_names=names)
+        return shown, Series("printed", [aim[0]], [aim[1]], style="markers", bold=True)
 
-def single_interpretation_table(found: list[readings.CombinationResult]) -> Table:
-    """Return the table of load ratios and model errors with one interpretation at a time, all other choices by default.
-
-    ``found``: results of all combinations of interpretations, of which the first has all choices by default.
-    """
-    base, rows = found[0], []
-    for c in found:
-        if len(c.low_order_readings) + len(c.readings_in_3d) > 1:
-            continue
-        low_order = bool(c.low_order_readings)
-        ratio, before = (one.low_order_ratio if low_order else one.ratio_in_3d for one in (c, base))
-        reading = (*c.low_order_readings, *c.readings_in_3d)
-        model = "low order" if low_order else "3D" if reading else "both"
-        against, change = reading[0].contradiction if reading else "", float(error_percent(ratio, before))
-        row: Row = {
-            TableColumn("model", "model that is changed by the interpretation", "", "s"): model,
-            TableColumn("reading", "interpretation", "", "s"): combination_in_words(reading),
-            TableColumn("text", "why Lin's text contradicts the interpretation", "", "s"): against,
-            TableColumn(
-                "moves", "change of the ratio of largest to smallest load by the interpretation", "%", "+.2f"
-            ): change,
-        }
-        rows.append(row | _ratio_cells_and_errors_by_definition(c))
-    title = "Ratio of largest to smallest load, and model errors (Lin 2.4.1), with one interpretation changed at a time"
-    return Table.from_rows("reconstruction-alone", title, rows)
-
-
-def combination_table(found: list[readings.CombinationResult]) -> Table:
-    """Return the table of all combinations of interpretations, with the RMS of their deviations from the printed numbers.
-
-    ``found``: results of all combinations.
-    """
-    text = TableColumn("text", "whether Lin's text contradicts the combination", "", "s")
-    missed = TableColumn("missed", "RMS of the deviations from the six printed numbers", "", ".2f")
-    rows = []
-    for c in found:
-        rms = float(np.sqrt(np.mean(c.deviations_from_print**2)))
-        rows.append(_combination_row(c) | {text: "against it" if c.contradicts_text else "silent", missed: rms})
-    note = "Short names of interpretations, in the order of the preceding table; base: all choices by default. Six "
-    note += "printed numbers: two load ratios (deviations in per cent) and four model errors (in percentage points)."
-    title = (
-        f"Ratio of largest to smallest load, and model errors (Lin 2.4.1) for all {len(found)} combinations of "
-        "interpretations"
-    )
-    return Table.from_rows("reconstruction-combinations", title, rows, note)
-
-
-def _combination_row(result: readings.CombinationResult) -> Row:
-    """Return the table row of a combination of interpretations: short names, load ratios by both models, model errors."""
-    row: Row = {
-        LOW_ORDER_READINGS: readings.combination_name(result.low_order_readings),
-        READINGS_IN_3D: readings.combination_name(result.readings_in_3d),
-    }
-    return row | _ratio_cells_and_errors_by_definition(result)
-
-
-def combinations_figure(found: list[readings.CombinationResult]) -> Figure:
-    """Draw ratios of largest to smallest load and model errors for all combinations of interpretations, and as printed.
-
-    ``found``: results of the combinations.
-    """
-    shown, aim = [*readings.explanations_shown_in_report(found).values()], readings.printed_load_ratio()
-    others = [c for c in found if c not in shown]
-    printed_errors = readings.printed_errors_percent()
-
-    def scatter_series(
-        abscissa_and_ordinate: Callable[[readings.CombinationResult], tuple[float, float]], printed: tuple[float, float]
-    ) -> tuple[Series, ...]:
-        """Return markers for all combinations of interpretations, and a marker for the printed values.
-
-        ``abscissa_and_ordinate``: function that returns abscissa and ordinate of a combination; ``printed``: abscissa and
-        ordinate of the printed values.
-        """
-        out = []
-        for label, of, light in (("other combinations", others, True), ("explanations", shown, False)):
-            points = [abscissa_and_ordinate(c) for c in of]
-            out.append(Series(label, [x for x, _ in points], [y for _, y in points], style="markers", pale=light))
-        return (*out, Series("printed", [printed[0]], [printed[1]], style="markers", bold=True))
-
-    def rms_and_largest_error_of_case(k: int) -> Callable[[readings.CombinationResult], tuple[float, float]]:
-        """Return a function that returns RMS and largest error [%] of the low-order loads in Lin's case ``k`` + 1.
-
-        The errors are against the 3D loads. The returned function takes a combination of interpretations.
-        """
-        return lambda c: (c.errors_percent["own"][2 * k + 1], c.errors_percent["own"][2 * k])
-
-    panels = (
-        Panel(
-            "Ratio of largest to smallest load, case 1",
-            "low-order model",
-            "3D model",
-            scatter_series(lambda c: (c.low_order_ratio, c.ratio_in_3d), (aim, aim)),
-        ),
-        *(
-            Panel(
-                f"Errors of the low-order model in case {k + 1}, % of each load",
-                "RMS error [%]",
-                "largest error [%]",
-                scatter_series(rms_and_largest_error_of_case(k), (printed_errors[2 * k + 1], printed_errors[2 * k])),
-            )
-            for k in range(2)
-        ),
-    )
-    title = (
-        "Ratio of largest to smallest load, and model errors (Lin 2.4.1), for all combinations of interpretations of the "
-        "text"
-    )
-    return Figure("reconstruction", title, panels, columns=3)
+    ratios = scatter_series([(c.low_order_ratio, c.ratio_in_3d) for c in found], (ratio, ratio))
+    panels = [Panel("Ratio of largest to smallest load, case 1", "low-order model", "3D model", ratios)]
+    for k in range(2):
+        points = [(c.errors_percent[2 * k + 1], c.errors_percent[2 * k]) for c in found]
+        series = scatter_series(points, (printed[2 * k + 1], printed[2 * k]))
+        title = f"Errors of the low-order model in case {k + 1}, % of each load"
+        panels.append(Panel(title, "RMS error [%]", "largest error [%]", series))
+    title = "Ratio of largest to smallest load, and model errors (Lin 2.4.1), by each possible explanation"
+    return Figure("reconstruction", title, tuple(panels), columns=3)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rollbench.compare.cases.lin.reconstruction.readings import RUNS, compute_missing_3d_results
+from rollbench.compare.cases.lin.reconstruction.explanations import RUNS, compute_missing_3d_results
 from rollbench.compare.running import show_progress_message
 from rollbench.meshes.cache import default_cache_folder
 
