@@ -77,6 +77,8 @@ class Table:
     unfolded: bool = False
     #: Keys of columns that are written to the CSV file but not shown on the page.
     csv_only: Sequence[str] = ()
+    #: Whether a page shows only title, note and link to the CSV file, and no rows.
+    rows_csv_only: bool = False
 
     def __post_init__(self) -> None:
         """Raise ValueError for two columns with the same heading and unit, which a CSV file could not distinguish."""

@@ -297,7 +297,7 @@ def table_template_data(table: content.Table, folder: Path) -> dict[str, Any]:
     numbers = [reports_cells.is_number_column(column, table) for column in shown]
     numbered, cells = list(zip(shown, numbers, strict=True)), list[list[dict[str, str]]]()
     heads = [{"label": c.label, "unit": c.unit, "align": "num" if number else "text"} for c, number in numbered]
-    for record in table.rows:
+    for record in () if table.rows_csv_only else table.rows:
         row = [reports_cells.cell_text_and_css_classes(c, record.get(c.key), right_aligned=n) for c, n in numbered]
         for cell in row:
             cell["link"] = str(record.get(HOW) or "") if cell["mark"].startswith("verdict") else ""

@@ -19,7 +19,7 @@ from rollbench.lowfi.rating.contacts import static_rating
 from rollbench.lowfi.rating.life import dynamic_rating
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Errors, Scene
-from rollbench.reports.content import Cell, Table, TableColumn
+from rollbench.reports.content import Cell, Figure, Panel, Series, Table, TableColumn
 
 #: Ratios of computed to printed values between which they are not named.
 USUAL = (0.7, 1.4)
@@ -137,22 +137,48 @@ def catalogue_text() -> str:
     )
 
 
-def catalogue_ratios_table() -> Table:
-    """Return the table of computed over printed C, C_0 and K: median and range by maker, and nuts outside `USUAL`."""
+def _ratios_by_group() -> dict[str, list[CatalogueRatios]]:
+    """Return the ratios of all nuts by maker, and by type of nut where he rates types by different rules."""
     groups: dict[str, list[CatalogueRatios]] = {}
     for one in ratios_of_all_nuts():
         groups.setdefault(one.group, []).append(one)
+    return groups
+
+
+def catalogue_ratios_figure() -> Figure:
+    """Draw computed over printed C, C_0 and K of every nut, with a line of points for each maker."""
+    groups, series = _ratios_by_group(), []
+    for key, shift in zip(QUANTITIES, (-0.22, 0.0, 0.22), strict=True):
+        at = [
+            (x, row + shift)
+            for row, found in enumerate(groups.values(), 1)
+            for one in found
+            if (x := one.ratios[key]) is not None
+        ]
+        series.append(Series(key, [x for x, _ in at], [y for _, y in at], "markers"))
+    ends = [0.4, len(groups) + 0.6]
+    series += [Series("", [limit, limit], ends, "line", pale=True) for limit in USUAL]
+    names = [f"{group} ({len(found)})" for group, found in groups.items()]
+    panel = Panel("", "computed over printed", "", tuple(series), ordinate_names=names)
+    title = "C, C0 and rigidity K of all nuts in makers' catalogues, computed from new --like over printed"
+    caption = f"Each point is a nut, in brackets the number of nuts. Lines: {USUAL[0]:g} and {USUAL[1]:g}."
+    return Figure("outside-nuts", title, (panel,), caption, 1, size=(9.0, 5.0))
+
+
+def catalogue_ratios_table() -> Table:
+    """Return the table of computed over printed C, C_0 and K: median and range by maker, and nuts outside `USUAL`."""
     rows: list[dict[TableColumn | str, Cell]] = []
-    for group, found in groups.items():
+    for group, found in _ratios_by_group().items():
         row: dict[TableColumn | str, Cell] = {
             TableColumn("maker", "maker, and nuts that he rates alike", "", "s"): group,
             TableColumn("nuts", "number of nuts", "", ".0f"): len(found),
         }
         for key, what in QUANTITIES.items():
             values = [x for one in found if (x := one.ratios[key]) is not None]
-            for name, of in (("median", np.median), ("least", np.min), ("most", np.max)):
-                column = TableColumn(f"{key}_{name}", f"{what} {key}, computed over printed: {name}", "", ".2f")
-                row[column] = float(of(values)) if values else None
+            heading = f"{what}, {key}, computed over printed: median (range)"
+            row[TableColumn(key, heading, "", "s")] = (
+                f"{np.median(values):.2f} ({min(values):.2f} to {max(values):.2f})" if values else None
+            )
         limits = f"{USUAL[0]:g} to {USUAL[1]:g}"
         row[TableColumn("outside", f"nuts with a ratio outside {limits}", "", "s")] = unusual_ratios(found)
         rows.append(row)

@@ -6,7 +6,7 @@ Makers' printed tables are read by `compare.scenes.makers`.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -254,7 +254,7 @@ def published_values_table(found: Sequence[PublishedValue]) -> Table:
         "of its origin."
     )
     title = "All published values of makers, measurements and programs, with the computed values"
-    return Table.from_rows("outside", title, rows, note)
+    return replace(Table.from_rows("outside", title, rows, note), rows_csv_only=True)
 
 
 #: Printed tables of the case `external` that are judged here: publisher and class. Tables of THK are judged with the nuts.

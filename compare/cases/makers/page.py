@@ -266,6 +266,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     items = (
         Text((*texts, from_catalogue.catalogue_text())),
         outside.bias_and_scatter_table(found),
+        from_catalogue.catalogue_ratios_figure(),
         from_catalogue.catalogue_ratios_table(),
         sorted_errors_figure(found),
         drag_torque_table(),

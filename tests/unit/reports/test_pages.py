@@ -224,3 +224,13 @@ def test_a_column_for_the_csv_file_only_is_in_it_and_not_on_the_page(tmp_path):
     assert [column["label"] for column in found["columns"]] == ["first"]
     assert (tmp_path / "tables" / "t.csv").read_text(encoding="utf-8").split() == ["first,second", "1.0,2.0"]
     assert "second" in found["note"]
+
+
+def test_rows_for_the_csv_file_only_are_in_it_and_not_on_the_page(tmp_path):
+    table = Table(
+        "t", "T", (TableColumn("a", "first", format="s"),), [{"a": f"x{n}"} for n in range(30)], rows_csv_only=True
+    )
+    pages.write_report(report(table), tmp_path / "out")
+    text = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
+    assert ("x7" in text, "<td" in text, "30 rows" in text, "tables/t.csv" in text) == (False, False, True, True)
+    assert len((tmp_path / "out" / "tables" / "t.csv").read_text(encoding="utf-8").split()) == 31
