@@ -7,7 +7,7 @@ point of the group ``rollbench.cases`` that names its `Case` record; it is impor
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import import_module, resources
 from pathlib import Path
@@ -21,11 +21,34 @@ GROUP = "rollbench.cases"
 
 
 @dataclass(frozen=True)
+class ReportPart:
+    """Part of the validation report (one section or several): its page, and whether it needs 3D runs or gmsh."""
+
+    #: Name for the option ``--only``.
+    name: str
+    #: Name of the page on which the part is shown.
+    page_name: str
+    #: Module in ``package`` whose function ``make_section`` makes the part; ``module:function`` for another function.
+    maker: str
+    #: Whether the part is included in a quick report.
+    in_quick_report: bool = False
+    #: Whether the part shows results of runs of the 3D reference.
+    shows_3d_runs: bool = False
+    #: Whether the whole part needs gmsh.
+    needs_gmsh: bool = False
+    #: Description of the contents that need gmsh, if the rest of the part does not; empty: none.
+    contents_needing_gmsh: str = ""
+    #: Package in which the module of ``maker`` is looked up.
+    package: str = "rollbench.compare"
+
+
+@dataclass(frozen=True)
 class Case:
     """A publication, or several similar ones, whose printed numbers and claims are compared with computed values.
 
     The folder of its Python package contains ``printed/NAME-*.toml`` (numbers and claims with their expected verdicts),
-    ``scenes/*.toml``, ``computations.toml`` (how each number is computed) and ``misprints.toml``.
+    ``scenes/*.toml``, ``computations.toml`` (how each number is computed) and ``misprints.toml``. What else it brings is
+    named here as ``module:name`` in its package.
     """
 
     #: Short name of the publication, such as "lin"; names of its printed tables begin with it and a hyphen ("lin-3.5").
@@ -34,9 +57,31 @@ class Case:
     title: str
     #: Import name of the Python package in the case's folder.
     package: str
-    #: Module of ``package`` whose ``make_section(study, step)`` returns the sections of the case's page in the report, or a
-    #: subpackage of such modules; empty if the case has no page.
+    #: Module of ``package`` whose ``make_section(study, step)`` returns the sections of the case's page in the report;
+    #: empty for a case without page, or with ``parts``.
     page: str = ""
+    #: Parts of the case's page in the report, if ``page`` does not make it.
+    parts: tuple[ReportPart, ...] = ()
+    #: Whether the first of two processes that make the report makes this page.
+    in_first_process: bool = False
+    #: Function that returns the models (`compare.models.registry.Model`) with which the publication computes.
+    models: str = ""
+    #: Function ``(cache, max_error)`` that returns checks of the gate.
+    checks: str = ""
+    #: Functions that solve a hard-to-solve scene, by name of the formulation of the equations, for the table of stability.
+    formulations: str = ""
+    #: Function that returns texts and tables of the report's section on stability.
+    stability: str = ""
+    #: Function ``(fresh)`` that yields scenes, with mesh levels, that a report must solve in 3D beforehand.
+    references: str = ""
+    #: Function ``(cache)`` that returns rows of errors against published values, by quantity, for the first page.
+    published_errors: str = ""
+
+    @property
+    def report_parts(self) -> tuple[ReportPart, ...]:
+        """Parts of the report that the case makes."""
+        whole = (ReportPart(self.name, self.name, self.page),) if self.page else ()
+        return tuple(replace(part, package=self.package) for part in self.parts or whole)
 
     @property
     def folder(self) -> Path:
@@ -55,12 +100,64 @@ class Case:
 
 #: Cases of rollbench, in the order of the report.
 CASES = (
-    Case("lin", "Lin (2019)", "rollbench.compare.cases.lin", "pages"),
-    Case("smith", "Smith (1994)", "rollbench.compare.cases.smith", "page"),
-    Case("kalker", "Kalker (1990)", "rollbench.compare.cases.kalker", "page"),
-    Case("liu", "Liu et al. (2025)", "rollbench.compare.cases.liu", "page"),
-    Case("external", "other programs, makers, textbooks", "rollbench.compare.cases.external", "page"),
-    Case("makers", "", "rollbench.compare.cases.makers", "page"),
+    Case(
+        "lin",
+        "Lin (2019)",
+        "rollbench.compare.cases.lin",
+        parts=(
+            ReportPart("lin", "lin", "pages.tables"),
+            ReportPart("cases", "lin", "pages.chapter_2:cases_section", in_quick_report=True, shows_3d_runs=True),
+            ReportPart("reconstruction", "lin", "pages.reconstruction", shows_3d_runs=True),
+            ReportPart("hertz", "lin", "pages.chapter_2:hertz_section"),
+            ReportPart("formulations", "lin", "pages.chapter_2:formulations_section"),
+            ReportPart("errors", "lin", "pages.chapter_2:errors_section"),
+            ReportPart("manufacturing", "lin", "pages.chapter_2:manufacturing_section"),
+            ReportPart("friction", "lin", "pages.friction"),
+            ReportPart("steering", "lin", "pages.steering"),
+            ReportPart("friction-screw", "lin", "pages.friction:screw_section"),
+        ),
+        in_first_process=True,
+        models="models:models",
+        checks="newton:check_against_energy_solver",
+        formulations="newton:FORMULATIONS",
+        stability="extremes:extreme_cases_text_and_table",
+    ),
+    Case("smith", "Smith (1994)", "rollbench.compare.cases.smith", "page", in_first_process=True),
+    Case(
+        "kalker",
+        "Kalker (1990)",
+        "rollbench.compare.cases.kalker",
+        parts=(
+            ReportPart(
+                "rolling", "kalker", "page", contents_needing_gmsh="no motion against the static reference, sizes of bodies"
+            ),
+        ),
+    ),
+    Case(
+        "liu",
+        "Liu et al. (2025)",
+        "rollbench.compare.cases.liu",
+        "page",
+        in_first_process=True,
+        models="models:models",
+        references="page:scenes_and_levels_to_solve_again_in_3d",
+    ),
+    Case(
+        "external",
+        "other programs, makers, textbooks",
+        "rollbench.compare.cases.external",
+        parts=(
+            ReportPart("external", "external", "page", shows_3d_runs=True),
+            ReportPart("holding", "external", "page:fixation_section", shows_3d_runs=True),
+        ),
+    ),
+    Case(
+        "makers",
+        "",
+        "rollbench.compare.cases.makers",
+        parts=(ReportPart("outside", "makers", "page"),),
+        published_errors="page:first_page",
+    ),
 )
 
 

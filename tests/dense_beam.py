@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rollbench.lowfi.as_source import beam_element_stiffness_matrix, screw_beam_stiffness_matrix
+from rollbench.lowfi.as_source.newton import beam_element_stiffness_matrix, screw_beam_stiffness_matrix
 from rollbench.lowfi.statics.problem import NominalContacts
 
 

@@ -187,9 +187,9 @@ def _stability_tables(
     ``rows``: outcomes of every solver on every scene. ``failures``: outcomes of rollbench's own solvers that did not
     converge as expected, or whose contact loads differ between two solvers.
     """
-    from rollbench.compare.studies.extremes import FORMULATIONS, count_expected_outcomes, stability_table_rows
+    from rollbench.compare.studies.extremes import count_expected_outcomes, formulations, stability_table_rows
 
-    words = ("case", *FORMULATIONS)
+    words = ("case", *formulations())
     lines = ([*(str(line[f]) for f in words), format_cell(line["residual"], ".1e")] for line in stability_table_rows(rows))
     yield ruled_table("outcome of every solver on extreme scenes", (*words, "residual"), lines, words)
     for name, (solved, tried, total) in count_expected_outcomes(rows).items():

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from rollbench.compare.case import all_cases
 from rollbench.compare.evidence import PrintedEntryComparison, computations_with_function, evidence
 from rollbench.compare.gate.verdict import NeighbouringLoads
 from rollbench.compare.measure import error_percent, load_error
@@ -21,7 +22,6 @@ from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.estimate import largest_uncertainty_percent
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.as_source import solve_lin_equations_with_fallback
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.lowfi.statics.contacts import hertz_with_errors, hertz_without_errors
 from rollbench.lowfi.statics.static import solve_static
@@ -314,10 +314,9 @@ def check_closed_forms(cache: SceneResultCache, max_error: float) -> list[GateCh
 
 
 def check_solvers(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
-    """Check the equilibrium of the solution of every built-in scene, and that both solvers of Lin's model agree.
+    """Check the equilibrium of the solution of every built-in scene, and what publications check the solver by.
 
-    These solvers minimise the energy, or use the Newton iteration of Lin's thesis. The limit of the errors is `EXACT`,
-    which leaves room for round-off only, or ``max_error`` [%] if that is smaller.
+    The limit of the errors is `EXACT`, which leaves room for round-off only, or ``max_error`` [%] if that is smaller.
     """
     rows = []
     limit = min(EXACT, max_error)
@@ -328,13 +327,8 @@ def check_solvers(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
         percent = float(error_percent(worst, 0.0, 1.0))
         passed, label = result.converged and percent <= limit, f"{name}: balance of forces and moments on the screw"
         rows.append(GateCheck(label, "balance", worst, 0.0, percent, limit, passed, result.status))
-    for name in ("lin-case1", "lin-case3-offset"):
-        by_source = solve_lin_equations_with_fallback(cache.built_in_scene(name), "arc")
-        e2 = load_error(cache.solve_once(name).load, by_source.contact_loads)
-        passed = by_source.converged and e2.max_percent <= limit
-        label = f"{name}: contact loads by the energy solver against Lin's Newton method, same equations"
-        words = f"largest difference at ball {e2.ball} {e2.side}; Lin's Newton method: {by_source.status}"
-        rows.append(GateCheck(label, "two solvers", None, None, e2.max_percent, limit, passed, words))
+    for case in all_cases():
+        rows += case.import_object(case.checks)(cache, max_error) if case.checks else []
     return rows
 
 

@@ -1,7 +1,7 @@
 """Registry of the low-order models: their names, descriptions, and the functions that run them on a scene.
 
-To add a model of rollbench, add its `Model` here. A model of another package registers itself by the entry point
-``rollbench.models``.
+To add a model of rollbench, add its `Model` here; models of publications come from their cases (`compare.case`). A model of
+another package registers itself by the entry point ``rollbench.models``.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
+from rollbench.compare.case import CASES
 from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
 from rollbench.compare.files import similar_paths
 from rollbench.compare.models import programs, user_models
@@ -106,36 +107,6 @@ def _solve_with_elastic_bodies(scene: Scene, options: ModelOptions, *, name: str
     return with_discretisation_error(scene, result, solve) if wanted else result
 
 
-def _solve_by_thesis_equations(scene: Scene, options: ModelOptions) -> StaticResult:
-    """Solve a scene by the model "source", the equations and Newton iteration of Lin's thesis.
-
-    InputError if the scene has a rigid screw.
-    """
-    from rollbench.lowfi.as_source import solve_lin_equations_as_static_result
-
-    if scene.ingredients.screw == "rigid":
-        advice = "use the model lin; the equations of Lin's thesis describe a beam"
-        raise InputError(scene.name, "ingredients.screw", '"rigid"', '"beam"', advice)
-    return solve_lin_equations_as_static_result(scene, everything=options.include_ineffective_terms, member=options.member)
-
-
-def _solve_mei(scene: Scene, options: ModelOptions, *, elastic_nut: bool) -> StaticResult:
-    """Solve a scene by the model of Mei et al. (2003): axial bars and springs.
-
-    ``elastic_nut``: whether the nut is an elastic bar instead of rigid.
-    """
-    from rollbench.lowfi.statics.mei import solve_mei
-
-    return solve_mei(scene, member=options.member, elastic_nut=elastic_nut)
-
-
-def _solve_liu(scene: Scene, options: ModelOptions) -> StaticResult:
-    """Solve a scene by the model of Liu et al. (2025): balls in a row along the axis, load-dependent contact angles."""
-    from rollbench.lowfi.statics.liu import solve_liu
-
-    return solve_liu(scene, member=options.member)
-
-
 def _solve_assembly_by_lin(assembly: Assembly, options: ModelOptions) -> AxisResult:
     """Solve a shaft with several nuts or bearing rows by the low-order model of Lin's thesis ("lin")."""
     from rollbench.lowfi.statics.axis.solve import solve_assembly
@@ -159,22 +130,6 @@ def covers_any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of M
 def has_beam_screw(scene: Scene) -> bool:
     """Return whether the options of the scene ask for a screw modelled as a beam instead of a rigid body."""
     return scene.ingredients.screw == "beam"
-
-
-def is_covered_by_mei_model(scene: Scene) -> bool:
-    """Return whether the model of Mei et al. covers a scene: axial loads, no preload, one support, screw as a beam."""
-    axial = all(x.force[0] == x.force[1] == 0.0 and not any(x.moment) for x in scene.loads)
-    return axial and scene.errors.balls.oversize == 0.0 and len(scene.supports) == 1 and has_beam_screw(scene)
-
-
-def is_covered_by_liu_model(scene: Scene) -> bool:
-    """Return whether the model of Liu et al. covers a scene.
-
-    The model covers axial loads at one end of the nut, without preload and without a support that fixes the screw axially.
-    """
-    from rollbench.lowfi.statics.liu import is_solvable_by_liu
-
-    return is_solvable_by_liu(scene)
 
 
 @dataclass(frozen=True)
@@ -222,9 +177,6 @@ class Model:
 
 #: Parts of the texts on how models describe the elasticity of screw, nut and balls.
 C_8, HALF_SPACES = "screw a beam by equation C.8 of Lin's thesis, nut rigid, balls as half spaces", "balls as half spaces"
-BARS = "axial bars, and contact springs of fixed direction"
-#: Why the model of Mei et al. does not solve several nuts or bearing rows.
-MEI_AXIS = "its bars connect the supports of the screw to a single fixed nut"
 _ALL = (
     Model(
         "refined",
@@ -295,49 +247,10 @@ _ALL = (
         "a file of condensed bodies contains one nut or bearing row",
         refinement_step=(5, "bodies from the condensed 3D model"),
     ),
-    Model(
-        "source",
-        "lin by the equations of Lin's thesis and plain Newton iteration, started from a designer's guess",
-        "equations and iteration of Lin's thesis",
-        C_8,
-        _solve_by_thesis_equations,
-        "the equations of Lin's thesis describe a single fixed nut",
-        covers_scene=has_beam_screw,
-        model_with_same_errors="lin",
-    ),
-    Model(
-        "mei",
-        "axial bars and springs of fixed direction, rigid nut (Mei et al. 2003)",
-        "Mei's model: axial bar, rigid nut",
-        f"{BARS}, nut rigid",
-        partial(_solve_mei, elastic_nut=False),
-        MEI_AXIS,
-        covers_scene=is_covered_by_mei_model,
-        compared=True,
-    ),
-    Model(
-        "mei-nut",
-        "mei with the nut as an elastic bar fixed at its left face",
-        "Mei's model: screw and nut as bars",
-        f"{BARS}, nut a bar",
-        partial(_solve_mei, elastic_nut=True),
-        MEI_AXIS,
-        covers_scene=is_covered_by_mei_model,
-        compared=True,
-    ),
-    Model(
-        "liu",
-        "chain of balls along the axis that lose and gain contact, contact angles that turn, elastic nut (Liu et al. 2025)",
-        "Liu's model: bars, angles vary with load",
-        "axial bars, and contact springs whose direction turns; screw and nut each loaded at one end",
-        _solve_liu,
-        "it describes one row of balls between a screw and a nut, each loaded at one end",
-        covers_scene=is_covered_by_liu_model,
-        compared=True,
-    ),
+    *(model for case in CASES if case.models for model in case.import_object(case.models)()),
 )
 #: All models by name, in the order of tables.
-MODELS = {m.name: m for m in _ALL}
+MODELS: dict[str, Model] = {m.name: m for m in _ALL}
 
 
 #: Models that solve a shaft with several nuts or bearing rows.

@@ -8,6 +8,7 @@ from operator import attrgetter
 
 import numpy as np
 
+from rollbench.compare.case import all_cases
 from rollbench.compare.evidence import all_computations, evidence_of_all_tables
 from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.measure import SMALL, load_scale_of_check_errors
@@ -655,8 +656,6 @@ def error_tables_of_all_quantities(cache: SceneResultCache) -> tuple[Table, Tabl
 
     The first is against the 3D reference, by model; the second against values that others publish or measured.
     """
-    from rollbench.compare.cases.makers.page import first_page
-
     rows = validated_errors_of_models(cache, cache.compute_once(solve_refinement_sequence_on_all_scenes))
     cells: list[Row] = []
     for s in bias_and_scatter(rows):
@@ -676,9 +675,11 @@ def error_tables_of_all_quantities(cache: SceneResultCache) -> tuple[Table, Tabl
         )
     columns = {q.key: q for q in (BIAS, SCATTER)}
     published: list[Row] = []
-    for quantity, row in first_page(cache).items():
-        known: Row = {columns.get(c.key, text_column("values", "number of values")): v for c, v in row.items()}
-        published.append({"quantity": quantity, **known})
+    for case in all_cases():
+        rows_of_case = case.import_object(case.published_errors)(cache) if case.published_errors else {}
+        for quantity, row in rows_of_case.items():
+            known: Row = {columns.get(c.key, text_column("values", "number of values")): v for c, v in row.items()}
+            published.append({"quantity": quantity, **known})
     note = "Errors against the finest mesh level of the 3D reference of each screw or bearing."
     against = (
         "Values that makers, measurements and other programs state, each computed by the model or formula that the table "

@@ -14,7 +14,7 @@ from time import perf_counter
 
 import numpy as np
 
-from rollbench.compare.case import all_cases
+from rollbench.compare.case import ReportPart, all_cases
 from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.printed import VERDICT_NAMES
 from rollbench.compare.reference.computing import compute_reference_runs
@@ -32,7 +32,7 @@ PAGES = {
     **{
         case.name: f"{case.title[:1].upper()}{case.title[1:]}: published and computed results" if case.title else ""
         for case in all_cases()
-        if case.page
+        if case.report_parts
     },
     "cases": "Each compared screw and bearing",
     "accuracy": "Contact-load errors of the low-order models",
@@ -47,7 +47,7 @@ PAGES = {
 GATHERING = ("overview", "notes", "verdicts", "audit")
 
 #: Pages that one process makes if two make the report; the other makes all other pages.
-FIRST_PROCESS = ("lin", "smith", "liu")
+FIRST_PROCESS = tuple(case.name for case in all_cases() if case.in_first_process)
 
 #: Verdicts on printed numbers that do not test a model, and the noun for each in a sentence.
 APART = {"input": "inputs", "identity": "identities"}
@@ -62,35 +62,10 @@ WORDS = {
 }
 
 
-@dataclass(frozen=True)
-class ReportPart:
-    """Part of the validation report (one section or several): its page, and whether it needs 3D runs or gmsh."""
-
-    #: Name for the option ``--only``.
-    name: str
-    #: Name of the page on which the part is shown.
-    page_name: str
-    #: Module in ``package`` whose function ``make_section`` makes the part; ``module:function`` for another function.
-    maker: str
-    #: Whether the part is included in a quick report.
-    in_quick_report: bool = False
-    #: Whether the part shows results of runs of the 3D reference.
-    shows_3d_runs: bool = False
-    #: Whether the whole part needs gmsh.
-    needs_gmsh: bool = False
-    #: Description of the contents that need gmsh, if the rest of the part does not; empty: none.
-    contents_needing_gmsh: str = ""
-    #: Package in which the module of ``maker`` is looked up.
-    package: str = "rollbench.compare"
-
-
-#: Parts of the report whose page is chosen in this module.
+#: Parts of the report that no publication brings.
 PLACED = (
     ReportPart("how-to-read", "reading", "sections.how_to_read", in_quick_report=True, shows_3d_runs=True),
     ReportPart("reference", "cases", "sections.reference", in_quick_report=True, shows_3d_runs=True, needs_gmsh=True),
-    ReportPart("lin", "lin", "cases.lin.pages.tables"),
-    ReportPart("cases", "lin", "cases.lin.pages.chapter_2:cases_section", in_quick_report=True, shows_3d_runs=True),
-    ReportPart("reconstruction", "lin", "cases.lin.pages.reconstruction", shows_3d_runs=True),
     ReportPart("overview", "accuracy", "report.overview", in_quick_report=True, shows_3d_runs=True),
     ReportPart("survey", "accuracy", "report.stability:survey_section", in_quick_report=True),
     ReportPart("ladder", "accuracy", "sections.ladder", in_quick_report=True, shows_3d_runs=True, needs_gmsh=True),
@@ -99,26 +74,8 @@ PLACED = (
     ReportPart("pictures", "reference", "sections.pictures", needs_gmsh=True),
     ReportPart("verification", "reference", "sections.verification", needs_gmsh=True),
     ReportPart("crosscheck", "reference", "sections.verification:crosscheck_section", shows_3d_runs=True, needs_gmsh=True),
-    ReportPart("hertz", "lin", "cases.lin.pages.chapter_2:hertz_section"),
     ReportPart("stability", "robustness", "report.stability"),
-    ReportPart("formulations", "lin", "cases.lin.pages.chapter_2:formulations_section"),
     ReportPart("tolerances", "tolerances", "sections.tolerances"),
-    ReportPart("errors", "lin", "cases.lin.pages.chapter_2:errors_section"),
-    ReportPart("manufacturing", "lin", "cases.lin.pages.chapter_2:manufacturing_section"),
-    ReportPart("friction", "lin", "cases.lin.pages.friction"),
-    ReportPart("steering", "lin", "cases.lin.pages.steering"),
-    ReportPart("friction-screw", "lin", "cases.lin.pages.friction:screw_section"),
-    ReportPart(
-        "rolling",
-        "kalker",
-        "cases.kalker.page",
-        contents_needing_gmsh="no motion against the static reference, sizes of bodies",
-    ),
-    ReportPart("smith", "smith", "cases.smith.page"),
-    ReportPart("liu", "liu", "cases.liu.page"),
-    ReportPart("outside", "makers", "cases.makers.page"),
-    ReportPart("external", "external", "cases.external.page", shows_3d_runs=True),
-    ReportPart("holding", "external", "cases.external.page:fixation_section", shows_3d_runs=True),
     ReportPart("fit", "trust", "sections.fit", in_quick_report=True),
     ReportPart("notes", "trust", "sections.how_to_read:assumptions_section", in_quick_report=True, shows_3d_runs=True),
     ReportPart("verdicts", "entries", "sections.verdicts", shows_3d_runs=True),
@@ -126,19 +83,13 @@ PLACED = (
 )
 
 
-def _report_parts_in_page_order() -> tuple[ReportPart, ...]:
-    """Return all parts of the report in the order of its pages.
-
-    These are the parts in `PLACED`, and one part for each publication that has no part there.
-    """
-    placed = {part.page_name for part in PLACED}
-    cases = (case for case in all_cases() if case.page and case.name not in placed)
-    added = [ReportPart(case.name, case.name, case.page, package=case.package) for case in cases]
-    return tuple(sorted((*PLACED, *added), key=lambda part: list(PAGES).index(part.page_name)))
-
-
 #: All parts of the report, in the order of the pages.
-SECTIONS = _report_parts_in_page_order()
+SECTIONS = tuple(
+    sorted(
+        (*PLACED, *(part for case in all_cases() for part in case.report_parts)),
+        key=lambda part: list(PAGES).index(part.page_name),
+    )
+)
 
 
 def arrange_sections_on_pages(sections_by_part: Mapping[str, Sequence[Section]]) -> list[Page]:

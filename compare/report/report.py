@@ -7,13 +7,14 @@ import platform
 from collections.abc import Callable, Sequence
 from functools import partial
 from importlib import import_module
+from itertools import chain
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 from rollbench.compare import __version__
 from rollbench.compare.api.calls import LOG
-from rollbench.compare.case import all_cases
+from rollbench.compare.case import ReportPart, all_cases
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.evidence import computations_with_function, evidence
 from rollbench.compare.files import check_writable
@@ -98,7 +99,6 @@ def compute_missing_3d_runs(cache: SceneResultCache, engine: ComputingSettings, 
 
     if cache.reference_folders is None:
         return
-    from rollbench.compare.cases.liu.page import scenes_and_levels_to_solve_again_in_3d as liu_references
     from rollbench.compare.models.modelling import DEEP, UNSEEN
     from rollbench.compare.studies.crosscheck.study import scenes_and_levels_for_report as checked_references
 
@@ -111,7 +111,8 @@ def compute_missing_3d_runs(cache: SceneResultCache, engine: ComputingSettings, 
             variants = (*modelling_variant_names(), *(refinement_variant_names() if name == REFINED else ()))
             tasks += plan_reference_tasks([cache.built_in_scene(name)], (), variants)
         tasks += plan_reference_tasks([cache.built_in_scene(name) for name in UNSEEN], STUDIED)
-        for names, levels in (*checked_references(fresh), *liu_references(fresh)):
+        of_cases = (case.import_object(case.references) for case in all_cases() if case.references)
+        for names, levels in chain.from_iterable(of(fresh) for of in (checked_references, *of_cases)):
             tasks += plan_reference_tasks([cache.built_in_scene(name) for name in names], levels)
         tasks += plan_reference_tasks([cache.built_in_scene(name) for name in DEEP], (max(LEVELS),))
         tasks.sort(key=lambda task: -expected_time_and_memory(task).seconds)
@@ -145,7 +146,7 @@ def save_uncertainty_parameters(stores: Sequence[Path]) -> None:
         uncertainty.save_choice_effects(stores[0], effects)
 
 
-def select_report_parts(only: Sequence[str], *, quick: bool = False) -> list[report_pages.ReportPart]:
+def select_report_parts(only: Sequence[str], *, quick: bool = False) -> list[ReportPart]:
     """Return the parts of the report that are to be made: those named in ``only`` or, without names, all of them.
 
     ``quick``: whether, without names, only the parts of a quick report are returned. Raises InputError for an unknown name.
@@ -156,12 +157,12 @@ def select_report_parts(only: Sequence[str], *, quick: bool = False) -> list[rep
     return [part for part in report_pages.SECTIONS if (part.name in only if only else part.in_quick_report or not quick)]
 
 
-def report_parts_of_publication(case_name: str) -> list[report_pages.ReportPart]:
+def report_parts_of_publication(case_name: str) -> list[ReportPart]:
     """Return the parts of the report that make up its page on one publication.
 
     ``case_name``: short name of the publication, such as "lin". Raises InputError if it has no page.
     """
-    with_page = [case.name for case in all_cases() if case.page]
+    with_page = [case.name for case in all_cases() if case.report_parts]
     if case_name not in with_page:
         raise ArgumentError("source", f'"{case_name}"', ", ".join(with_page), "choose a publication that has a page")
     return [part for part in report_pages.SECTIONS if part.page_name == case_name]
@@ -182,7 +183,7 @@ def save_model_errors(cache: SceneResultCache) -> None:
         save_descriptors_of_built_in_scenes(cache.reference_folders[0])
 
 
-def _make_sections_of_part(part: report_pages.ReportPart, step: Step, cache: SceneResultCache) -> Sequence[Section]:
+def _make_sections_of_part(part: ReportPart, step: Step, cache: SceneResultCache) -> Sequence[Section]:
     """Make the sections of one part of the report.
 
     ``part``: the part, which names the module that makes it. ``step`` is called with each line of progress. After the part
@@ -199,12 +200,7 @@ def _make_sections_of_part(part: report_pages.ReportPart, step: Step, cache: Sce
 
 
 def _make_parts_in_worker(
-    parts: Sequence[report_pages.ReportPart],
-    tables: Sequence[str],
-    study_arguments: tuple[Any, ...],
-    print_line: Step,
-    *,
-    keeping: bool,
+    parts: Sequence[ReportPart], tables: Sequence[str], study_arguments: tuple[Any, ...], print_line: Step, *, keeping: bool
 ) -> tuple[dict[str, Sequence[Section]], SceneResultCache]:
     """Make parts of the report in a worker process.
 
@@ -241,7 +237,7 @@ def _make_parts_in_worker(
 
 
 def make_sections(
-    parts: Sequence[report_pages.ReportPart],
+    parts: Sequence[ReportPart],
     show_part_name: Step,
     step: Step,
     study: SceneResultCache,

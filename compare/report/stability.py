@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.cases.lin.extremes import extreme_cases_text_and_table
+from rollbench.compare.case import all_cases
 from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.models.comparison import RULE
 from rollbench.compare.models.study import SceneResultCache
@@ -412,10 +412,10 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         TableColumn("iterations", "iterations of the energy solver", "", "s"),
         TableColumn("residual", "largest unbalanced force / largest force", "", "g2"),
         TableColumn("bound", "round-off limit of unbalanced / largest force, in double precision", "", "g2"),
-        *(TableColumn(name, f"status: {name}", "", "s") for name in extremes.FORMULATIONS[1:]),
+        *(TableColumn(name, f"status: {name}", "", "s") for name in extremes.formulations()[1:]),
     )
     solved, _, total = counts[extremes.ENERGY]
-    newton, applicable, _ = max(counts[name] for name in extremes.SOURCE)
+    newton, applicable, _ = max(counts[name] for name in extremes.formulations_of_cases())
     return Section(
         "stability",
         "Numerical stability of the solvers on stiff and extreme cases",
@@ -438,7 +438,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
                 columns,
                 extremes.stability_table_rows(rows),
             ),
-            *extreme_cases_text_and_table(),
+            *(item for case in all_cases() if case.stability for item in case.import_object(case.stability)()),
             Text(
                 (
                     "The program was also run on random extreme screws and bearings, on scene files with random faults, "

@@ -4,9 +4,7 @@ The scenes are in `hard_scenes`. A second formulation, whose unknowns are the co
 the same beam, must find the same loads. This formulation does not solve rows of rollers without balls; for these the
 load-displacement law of every roller slice is checked instead.
 
-Newton's method as in Lin's thesis (``lowfi.as_source``) is started in three ways: from the nominal state; from a good
-guess, in which the screw is moved along its axis as if all balls shared the axial load equally; and from that guess with
-the load applied in ten steps.
+A publication brings further formulations, by the `formulations` of its `Case`.
 
 Campaigns of random scenes are run by ``python -m tests.campaign`` of the repository; this module reads their records.
 """
@@ -23,22 +21,19 @@ from typing import Any
 
 import numpy as np
 
+from rollbench.compare.case import all_cases
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.studies.extreme_cases import CONVERGED, HardScene, hard_scenes
-from rollbench.lowfi.as_source import Start, solve_by_lin_equations
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.rollers import slice_middles, tapered_bearing_of_row
 from rollbench.lowfi.statics.axis.solve import solve_assembly, solve_assembly_with_elastic_bodies
-from rollbench.lowfi.statics.problem import build_problem
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.static import solve_elastic, solve_static
 from rollbench.lowfi.statics.summary import BALANCE
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
-from rollbench.meshes.errors import draw_geometry_with_errors
-from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.processes import single_thread_workers
 from rollbench.reports.content import Cell, Row
@@ -46,21 +41,8 @@ from rollbench.reports.content import Cell, Row
 #: Name of the formulation by the energy solver.
 ENERGY = "energy solver"
 
-#: Starts of Newton's method as in Lin's thesis, by the name of the formulation.
-SOURCE: dict[str, Start] = {
-    "Lin's Newton method, started from the nominal geometry": "nominal",
-    "Lin's Newton method, started from a good guess": "guess",
-    "Lin's Newton method, load applied in steps": "load steps",
-}
-
 #: Models of elastic bodies by the name of their formulation; all must solve the hard-to-solve scenes.
 BACKENDS = {m.label: m.name for m in MODELS.values() if m.solves_hard_scenes}
-
-#: Names of all formulations of the equations.
-FORMULATIONS = (ENERGY, *BACKENDS, *SOURCE)
-
-#: Largest number of unknowns for which the dense Jacobian of Lin's thesis is attempted.
-DENSE_LIMIT = 2000
 
 #: Largest number of balls for which formulations with elastic bodies are attempted.
 ELASTIC_LIMIT = 250
@@ -80,7 +62,7 @@ class FormulationOutcome:
     case: str
     #: Group of the scene in the stability table.
     group: str
-    #: Name of the formulation of the equations, one of `FORMULATIONS`.
+    #: Name of the formulation of the equations, one of `formulations`.
     formulation: str
     #: Status that the solver reported, or why the scene was not attempted.
     status: str
@@ -113,19 +95,30 @@ class FormulationOutcome:
 # --- solution of the hard-to-solve scenes
 
 
+#: Function that solves a hard-to-solve scene by the formulation of the equations with the given name.
+Formulation = Callable[[HardScene, str], FormulationOutcome]
+
+
+def formulations_of_cases() -> dict[str, Formulation]:
+    """Return the formulations of the equations that publications bring, by their names."""
+    brought = [case.import_object(case.formulations) for case in all_cases() if case.formulations]
+    return {name: solve for of_case in brought for name, solve in of_case.items()}
+
+
+def formulations() -> tuple[str, ...]:
+    """Return the names of all formulations of the equations."""
+    return (ENERGY, *BACKENDS, *formulations_of_cases())
+
+
 def solve_hard_scene_by_formulation(hard_scene: HardScene, formulation: str) -> FormulationOutcome:
     """Solve one hard-to-solve scene by one formulation; the outcome also states a failure of the solver.
-
-    The energy solver has a beam node at every contact, Newton's method as in Lin's thesis one every 15 mm. For the
-    comparison of their contact loads the energy solver is run with the nodes of the thesis, too, and both methods take the
-    flanks as rigid circular arcs (``kinematics="arc"``), so that they solve the same equations.
 
     Parameters
     ----------
     hard_scene
         The hard-to-solve scene.
     formulation
-        Name of the formulation, one of `FORMULATIONS`.
+        Name of the formulation, one of `formulations`.
 
     Returns
     -------
@@ -136,7 +129,7 @@ def solve_hard_scene_by_formulation(hard_scene: HardScene, formulation: str) -> 
         return _outcome_by_energy_solver(hard_scene)
     if formulation in BACKENDS:
         return _outcome_with_elastic_bodies(hard_scene, formulation)
-    return _outcome_by_thesis_newton(hard_scene, formulation)
+    return formulations_of_cases()[formulation](hard_scene, formulation)
 
 
 def _static_result_by_energy_solver(scene: Scene | Assembly) -> StaticResult | AxisResult:
@@ -146,13 +139,10 @@ def _static_result_by_energy_solver(scene: Scene | Assembly) -> StaticResult | A
     return solve_static(scene)
 
 
-def _outcome_by_energy_solver(hard_scene: HardScene, result: StaticResult | AxisResult | None = None) -> FormulationOutcome:
-    """Solve a hard-to-solve scene by the energy solver, and return the outcome.
-
-    ``result``: static result of the energy solver for this scene; None: the scene is solved first.
-    """
+def _outcome_by_energy_solver(hard_scene: HardScene) -> FormulationOutcome:
+    """Solve a hard-to-solve scene by the energy solver, and return the outcome."""
     begin = perf_counter()
-    row = _outcome_from_result(hard_scene, ENERGY, result or _static_result_by_energy_solver(hard_scene.scene), begin)
+    row = _outcome_from_result(hard_scene, ENERGY, _static_result_by_energy_solver(hard_scene.scene), begin)
     return replace(row, difference_percent=0.0 if row.converged else None)
 
 
@@ -179,7 +169,7 @@ def _outcome_with_elastic_bodies(hard_scene: HardScene, formulation: str) -> For
         result = solve(scene, backend=LADDER[BACKENDS[formulation]])
     except ValueError as error:
         status, spent = f"not attempted: {error}", perf_counter() - begin
-        return _outcome_with_status(hard_scene, formulation, status, seconds=spent, reason=status)
+        return outcome_with_status(hard_scene, formulation, status, seconds=spent, reason=status)
     return _outcome_from_result(hard_scene, formulation, result, begin)
 
 
@@ -199,20 +189,20 @@ def _outcome_from_result(
     ``start_time``: value of ``perf_counter`` [s] at which the solution began.
     """
     status, s = _why_not_in_equilibrium(result) or result.status, result.solver
-    return _outcome_with_status(
+    return outcome_with_status(
         hard_scene,
         formulation,
         status,
         iterations=s.iterations,
-        residual=_finite_or_none(s.residual),
+        residual=finite_or_none(s.residual),
         round_off_bound=s.round_off_bound,
         seconds=perf_counter() - start_time,
         unknowns=s.unknowns,
-        reason="; ".join((_first_clause_of_status(status), *result.warnings)),
+        reason="; ".join((first_clause_of_status(status), *result.warnings)),
     )
 
 
-def _outcome_with_status(hard_scene: HardScene, formulation: str, status: str, **found: Any) -> FormulationOutcome:
+def outcome_with_status(hard_scene: HardScene, formulation: str, status: str, **found: Any) -> FormulationOutcome:
     """Return the outcome of a formulation for a hard-to-solve scene with a given status.
 
     ``found``: values of further fields of `FormulationOutcome`, by name of the field.
@@ -275,73 +265,12 @@ def roller_slice_law_residual(row: SetResult, result: AxisResult) -> float:
     return float(np.abs(expected - lines).max() / (lines.max() + noise / SLICES))
 
 
-def _with_beam_nodes_of_thesis(scene: Scene) -> Scene:
-    """Return a copy of a scene in which the nodes of the screw's beam are at the positions of Lin's thesis."""
-    return replace(scene, ingredients=replace(scene.ingredients, partition="source"))
-
-
-def unknown_count_of_thesis_equations(scene: Scene) -> int:
-    """Return the number of unknowns of a scene in the equations of Lin's thesis."""
-    layout = ball_layout(scene)
-    problem = build_problem(scene, draw_geometry_with_errors(scene, layout), layout, np.ones(4, dtype=bool))
-    return 6 * layout.z.size + problem.unknowns
-
-
-def _outcome_by_thesis_newton(
-    hard_scene: HardScene, formulation: str, energy_result: StaticResult | None = None
-) -> FormulationOutcome:
-    """Solve a hard-to-solve scene by Newton's method as in Lin's thesis, and return the outcome.
-
-    ``formulation``: a key of `SOURCE`; ``energy_result``: static result of the energy solver with the same beam nodes, None
-    to compute it.
-    """
-    if isinstance(hard_scene.scene, Assembly):
-        status = "not attempted: Lin's thesis has a single nut on its shaft"
-        return _outcome_with_status(hard_scene, formulation, status, reason=status)
-    scene = _with_beam_nodes_of_thesis(hard_scene.scene)
-    unknowns = unknown_count_of_thesis_equations(scene)
-    iterations, residual, seconds, difference = 0, math.nan, 0.0, None
-    if unknowns > DENSE_LIMIT:
-        status = f"not attempted: dense Jacobian of {unknowns} unknowns"
-    elif scene.ingredients.screw == "rigid":
-        status = "not attempted: the screw of Lin's thesis is a beam, not rigid"
-    else:
-        found = solve_by_lin_equations(scene, kinematics="arc", start_values=SOURCE[formulation])
-        status, iterations, residual, seconds = found.status, found.iterations, found.residual, found.seconds
-        if found.converged:
-            energy_result = energy_result or solve_static(scene)
-            if energy_result.converged:
-                difference = _largest_load_difference(found.contact_loads, energy_result.load)
-    return _outcome_with_status(
-        hard_scene,
-        formulation,
-        status,
-        iterations=iterations,
-        residual=_finite_or_none(residual),
-        seconds=seconds,
-        unknowns=unknowns,
-        difference_percent=difference,
-        reason=_first_clause_of_status(status) + _clause_on_load_difference(difference),
-    )
-
-
-def _clause_on_load_difference(difference_percent: float | None) -> str:
-    """Return a clause on the difference between contact loads and those of the energy solver; empty if they are equal.
-
-    ``difference_percent``: largest difference of a load [% of the largest load]; None if it is not known.
-    """
-    if difference_percent is None or difference_percent <= SAME:
-        return ""
-    root = "another root of the contact conditions (beyond the arc)"
-    return f"; loads differ from the energy solver's by {difference_percent:.3g} %: {root}"
-
-
-def _finite_or_none(value: float) -> float | None:
+def finite_or_none(value: float) -> float | None:
     """Return a number as a float; None if the number is not finite, because JSON has neither infinity nor nan."""
     return float(value) if math.isfinite(value) else None
 
 
-def _largest_load_difference(load: Array, reference_load: Array) -> float:
+def largest_load_difference(load: Array, reference_load: Array) -> float:
     """Return the largest difference between the contact loads of two solutions [% of the largest ``reference_load``].
 
     ``load`` and ``reference_load``: contact loads [N], arrays of the same shape.
@@ -351,7 +280,7 @@ def _largest_load_difference(load: Array, reference_load: Array) -> float:
     return float(np.abs(error_percent(change, 0.0, top))) if top > 0.0 else 0.0
 
 
-def _first_clause_of_status(status: str) -> str:
+def first_clause_of_status(status: str) -> str:
     """Return the first clause of a solver's status, or the first two if the status begins with "not held: "."""
     parts = status.split(": ")
     return ": ".join(parts[:2]) if parts[0] == "not held" else status.split(" (")[0]
@@ -359,15 +288,7 @@ def _first_clause_of_status(status: str) -> str:
 
 def _solve_by_all_formulations(hard_scene: HardScene) -> list[FormulationOutcome]:
     """Solve a hard-to-solve scene by every formulation and return the outcomes, the energy solver's first."""
-    found, ours = _static_result_by_energy_solver(hard_scene.scene), None
-    if isinstance(hard_scene.scene, Scene):
-        scene = _with_beam_nodes_of_thesis(hard_scene.scene)
-        ours = solve_static(scene) if unknown_count_of_thesis_equations(scene) <= DENSE_LIMIT else None
-    return [
-        _outcome_by_energy_solver(hard_scene, found),
-        *(_outcome_with_elastic_bodies(hard_scene, f) for f in BACKENDS),
-        *(_outcome_by_thesis_newton(hard_scene, f, ours) for f in SOURCE),
-    ]
+    return [solve_hard_scene_by_formulation(hard_scene, name) for name in formulations()]
 
 
 def solve_all_hard_scenes(
@@ -399,7 +320,7 @@ def solve_all_hard_scenes(
 
 
 def unexpected_outcomes(outcomes: Sequence[FormulationOutcome]) -> list[FormulationOutcome]:
-    """Return the outcomes that are not as expected, without those of Newton's method as in Lin's thesis.
+    """Return the outcomes that are not as expected, without those of publications.
 
     Expected is convergence or, if the loads drive a rigid motion that nothing resists, the status that names this motion.
     Outcomes whose contact loads differ from the energy solver's are returned, too.
@@ -440,7 +361,7 @@ def count_expected_outcomes(outcomes: Sequence[FormulationOutcome]) -> dict[str,
     The outcome is as expected if the solver converged or, where the loads drive a free rigid motion, named this motion.
     """
     out = {}
-    for formulation in FORMULATIONS:
+    for formulation in formulations():
         attempts = [r for r in outcomes if r.formulation == formulation]
         tried = [r for r in attempts if r.is_formulation_applicable]
         out[formulation] = (sum(r.status == r.expected for r in tried), len(tried), len(attempts))

@@ -21,7 +21,7 @@ from rollbench.compare.studies.rolling.runs import LEVELS
 from rollbench.compare.studies.sweep.keys import read_varied_keys
 from rollbench.compare.studies.sweep.sample import solve_sample
 from rollbench.hifi.rolling.balls import RollingSettings, solve_half_space_contact_under_1_N, solve_rolling
-from rollbench.lowfi.as_source import solve_by_lin_equations
+from rollbench.lowfi.as_source.newton import solve_by_lin_equations
 from rollbench.lowfi.friction.screw.run import solve_pair_of_screw_balls
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN

@@ -4,7 +4,7 @@ The cases are single balls, pairs, rows of neighbouring balls, and bearings with
 the thesis. Every case is solved from the solver's default start and from random ones. Each solution must converge, balance
 power input and dissipation, and agree with the first one. Lin's method starts from random motions and finds a root of the
 force balance under his sigmoid friction law. For one ball, the contact loads are those of the solver of least dissipation;
-for several balls, Lin's method is that in ``lowfi.friction.as_source.screw``.
+for several balls, Lin's method is that in ``lowfi.as_source.screw``.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from rollbench.compare.cases.lin.evidence.source_cases import (
     pair_as_printed,
     screw_groove,
 )
-from rollbench.lowfi.friction.as_source.chain import SHARPNESS, BallMotionsByLin
-from rollbench.lowfi.friction.as_source.screw import (
+from rollbench.lowfi.as_source.balls import SHARPNESS, BallMotionsByLin
+from rollbench.lowfi.as_source.screw import (
     chain_motions_from_random_starts,
     linear_solutions_from_starts,
     pair_solutions_from_starts,

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from tests.campaign import check_axes
 
+from rollbench.compare.cases.lin import newton
 from rollbench.compare.studies import extremes
 from rollbench.lowfi.statics.axis.solve import solve_assembly, solve_assembly_with_elastic_bodies
 
@@ -27,7 +28,7 @@ AXES = (
 )
 
 
-NOMINAL, GUESS, _ = extremes.SOURCE
+NOMINAL, GUESS, _ = newton.FORMULATIONS
 
 
 @pytest.mark.parametrize("formulation", [extremes.ENERGY, *extremes.BACKENDS])
@@ -55,9 +56,9 @@ def test_source_needs_a_start_with_contact_agrees_but_beyond_the_arc_and_is_not_
     assert 0.0 < guess.difference_percent < 1e-6 < 1.0 < beyond.difference_percent
     assert "differ from the energy solver's" in beyond.reason
     row = extremes.solve_hard_scene_by_formulation(CASES["300 balls"], NOMINAL)
-    assert row.unknowns > extremes.DENSE_LIMIT
+    assert row.unknowns > newton.DENSE_LIMIT
     assert row.status == f"not attempted: dense Jacobian of {row.unknowns} unknowns"
-    whole = extremes.unknown_count_of_thesis_equations(CASES["300 balls"].scene)
+    whole = newton.unknown_count_of_thesis_equations(CASES["300 balls"].scene)
     assert whole > row.unknowns, "a node at every contact has more"
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.as_source import chain
+from rollbench.lowfi.as_source import balls as chain
 from rollbench.lowfi.friction.contact.laws import CoulombLaw
 from rollbench.lowfi.friction.linear import chain as linear_chain
 from rollbench.lowfi.friction.linear.bearing import contact_angle_deviations, loads_in_equilibrium

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.as_source import screw
+from rollbench.lowfi.as_source import screw
 from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law, solve_screw_contact_loads
 from rollbench.lowfi.friction.screw.run import Run, simulate_equal_steps, solve_pair_of_screw_balls
 

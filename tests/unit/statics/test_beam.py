@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.helpers import STEEL, dense, relative
 
-from rollbench.lowfi.as_source import beam_element_stiffness_matrix
+from rollbench.lowfi.as_source.newton import beam_element_stiffness_matrix
 from rollbench.lowfi.statics import beam
 from rollbench.lowfi.statics.shaft import build_shaft
 from rollbench.lowfi.statics.shape import beam_shape_functions, rigid_motion_transfer_matrix

@@ -10,7 +10,7 @@ from tests.static_problems import SCENES, elastic_equations
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.survey import SEED, random_screw_scene_text
-from rollbench.lowfi.as_source import screw_beam_stiffness_matrix
+from rollbench.lowfi.as_source.newton import screw_beam_stiffness_matrix
 from rollbench.lowfi.compliance.parts import LADDER, grooved_section, reduce_to_compliance_geometry
 from rollbench.lowfi.statics import response as model
 from rollbench.lowfi.statics import shaft as statics_shaft

@@ -7,7 +7,7 @@ import pytest
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, four_flank_problem, relative, small_screw, solved, with_ingredients
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi import as_source
+from rollbench.lowfi.as_source import newton as as_source
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors

@@ -17,8 +17,8 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as case_of
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
+from rollbench.lowfi.as_source.screw import simulate_by_root
 from rollbench.lowfi.friction import bearing as friction_bearing
-from rollbench.lowfi.friction.as_source.screw import simulate_by_root
 from rollbench.lowfi.friction.screw import travel
 from rollbench.lowfi.friction.screw.groove import Mode
 from rollbench.lowfi.friction.screw.motion import Coupling

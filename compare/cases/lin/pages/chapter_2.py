@@ -22,7 +22,7 @@ from rollbench.compare.printed import printed_entry, printed_value
 from rollbench.compare.results.solved import solve_with_results
 from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel, lateral_displacement_curves
 from rollbench.compare.studies.members.ensemble import RandomDrawsResult, cached_random_draws_of_scene
-from rollbench.lowfi.as_source import solve_lin_equations_with_fallback
+from rollbench.lowfi.as_source.newton import solve_lin_equations_with_fallback
 from rollbench.lowfi.statics.contacts import hertz_without_errors, misprinted_hertz_of_flanks
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.helix import lead_angle

@@ -13,7 +13,7 @@ from rollbench.compare.cases.lin import extremes
 from rollbench.compare.cases.lin.evidence import screw
 from rollbench.compare.cases.lin.extremes import BALLS, ExtremeGroupTally, GroupResult
 from rollbench.compare.cases.lin.pages import friction
-from rollbench.lowfi.friction.as_source.screw import simulate_by_root
+from rollbench.lowfi.as_source.screw import simulate_by_root
 from rollbench.lowfi.friction.screw.chain import solve_motion_of_chain
 from rollbench.reports.content import Section
 

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import root
 
-from rollbench.lowfi.friction.as_source import chain as lin
+from rollbench.lowfi.as_source import balls as lin
 from rollbench.lowfi.friction.contact.equilibrium import HYBRID, ContactLoadSolution
 from rollbench.lowfi.friction.contact.laws import FrictionLaw, SigmoidLaw
 from rollbench.lowfi.friction.linear.bearing import LinearBearing

@@ -1,0 +1,43 @@
+"""Model "source": the equations and the Newton iteration of Lin's thesis."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rollbench.compare.errors import InputError
+
+if TYPE_CHECKING:
+    from rollbench.compare.models.registry import Model, ModelOptions
+    from rollbench.lowfi.statics.result import StaticResult
+    from rollbench.meshes.parts import Scene
+
+
+def models() -> tuple[Model, ...]:
+    """Return the model "source"; called by the registry of models, which is not imported here for that reason."""
+    from rollbench.compare.models.registry import C_8, Model, has_beam_screw
+
+    return (
+        Model(
+            "source",
+            "lin by the equations of Lin's thesis and plain Newton iteration, started from a designer's guess",
+            "equations and iteration of Lin's thesis",
+            C_8,
+            _solve_by_thesis_equations,
+            "the equations of Lin's thesis describe a single fixed nut",
+            covers_scene=has_beam_screw,
+            model_with_same_errors="lin",
+        ),
+    )
+
+
+def _solve_by_thesis_equations(scene: Scene, options: ModelOptions) -> StaticResult:
+    """Solve a scene by the model "source", the equations and Newton iteration of Lin's thesis.
+
+    InputError if the scene has a rigid screw.
+    """
+    from rollbench.lowfi.as_source.newton import solve_lin_equations_as_static_result
+
+    if scene.ingredients.screw == "rigid":
+        advice = "use the model lin; the equations of Lin's thesis describe a beam"
+        raise InputError(scene.name, "ingredients.screw", '"rigid"', '"beam"', advice)
+    return solve_lin_equations_as_static_result(scene, everything=options.include_ineffective_terms, member=options.member)
