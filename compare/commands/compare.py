@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.results.compared import LoadsWithErrors, NutOrBearingComparison
     from rollbench.compare.results.comparison import ByCase
-    from rollbench.compare.scenes.duty_cycle import DutyCycle
-    from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+    from rollbench.compare.scenes.duty_cycle import DutyCycle, FrictionScene
     from rollbench.compare.studies.rolling.rows import RollingComparisonRow
     from rollbench.meshes.parts import Scene
     from rollbench.reports.content import Figure
@@ -303,7 +302,7 @@ def scenes_of_friction_or_none(
     """
     from rollbench.compare.reference.levels import FINITE, HALF_SPACE
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+    from rollbench.compare.scenes.duty_cycle import FrictionScene
 
     scenes = [catalogue.scene_of_any_kind(name) for name in names]
     rolling = [scene for scene in scenes if isinstance(scene, FrictionScene)]

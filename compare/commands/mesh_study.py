@@ -13,7 +13,7 @@ from rollbench.compare.text.printing import CommandOutput, print_command_output,
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.reference.tasks import Solvable
-    from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+    from rollbench.compare.scenes.duty_cycle import FrictionScene
 
 
 @app.command(name="mesh-study")

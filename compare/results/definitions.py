@@ -5,31 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from functools import cache
+from importlib import import_module
 from typing import NamedTuple
 
-from rollbench.compare.gate.verdict import VerdictRow
-from rollbench.compare.models import set_results
-from rollbench.compare.models.load_cases import AxisDrive, DutyCycleResults, LivesOverDutyCycle, ShaftTorque
-from rollbench.compare.models.loading import LiftOff, LoadPath, Preload, SupportShare
-from rollbench.compare.models.model_form import ExpectedError
-from rollbench.compare.models.stiffness import NutStiffness, ShaftPointStiffness
-from rollbench.compare.models.uncertainty import LoadUncertainty
-from rollbench.compare.results import data, solved
-from rollbench.compare.results.compared import NutOrBearingComparison
-from rollbench.compare.results.comparison import CycleSummary, ModelLoads, Uncertainty
-from rollbench.compare.results.load_curve import CurvePoint, LoadCurve
-from rollbench.compare.results.side_by_side import Alternative, SideBySide
-from rollbench.compare.results.table import TableRow
-from rollbench.compare.scenes.duty_cycle import LoadCase
-from rollbench.lowfi.bearings.tapered_roller import RibContact
-from rollbench.lowfi.bearings.torque import BallBearingTorque, PalmgrenLoadTorque, RollerBearingTorque
-from rollbench.lowfi.rating.catalogue_checks import ShaftLimits
-from rollbench.lowfi.rating.contacts import BallContact, EllipseTruncation, Ratings, RollerContact, StaticSafety
-from rollbench.lowfi.rating.iso_lives import ModifiedLife, ReferenceLife
-from rollbench.lowfi.rating.life import EquivalentLoadLife, Life, SystemLife
-from rollbench.lowfi.rating.rigidity import AxialRigidities
-from rollbench.lowfi.statics.result import Equilibrium, HousingResult, SetResult, SolverReport
-from rollbench.meshes.one_arc import InternalClearance
 from rollbench.meshes.quantity import QuantityDescription, quantity_descriptions
 
 
@@ -41,13 +19,14 @@ class DefinitionTable(NamedTuple):
     #: Text above the table.
     about: str
     #: For each part of the table, the beginning of the JSON paths of its numbers, and the record class whose fields are
-    #: these numbers.
-    records: tuple[tuple[str, type], ...]
+    #: these numbers, as "module:class" of this package; results ask this table, which imports them only when asked.
+    records: tuple[tuple[str, str], ...]
 
     def paths(self) -> Iterator[tuple[str, QuantityDescription]]:
         """Yield, for each number in this table, the end of its JSON path, such as ``loads.max_N``, and its definition."""
-        for where, kind in self.records:
-            for _, one in quantity_descriptions(kind):
+        for where, name in self.records:
+            module, _, kind = name.partition(":")
+            for _, one in quantity_descriptions(getattr(import_module(f"rollbench.{module}"), kind)):
                 if one.definition:
                     yield f"{where}{one.key.removeprefix('torque.')}{one.parts}", one  # torques are in other groups, too
 
@@ -60,11 +39,11 @@ TABLES = (
         "Contact loads are normal forces between a ball and one groove flank. `compare` measures their error, and "
         "`expected_error_percent` estimates it, in per cent of the mean load.",
         (
-            ("balls[].", set_results.BallResult),
-            ("loads.", set_results.BallLoadSummary),
-            ("loads.", set_results.RollerLoadSummary),
-            ("rollers[].", set_results.RollerResult),
-            ("sides.FLANK.", set_results.FlankLoadSummary),
+            ("balls[].", "compare.models.set_results:BallResult"),
+            ("loads.", "compare.models.set_results:BallLoadSummary"),
+            ("loads.", "compare.models.set_results:RollerLoadSummary"),
+            ("rollers[].", "compare.models.set_results:RollerResult"),
+            ("sides.FLANK.", "compare.models.set_results:FlankLoadSummary"),
         ),
     ),
     DefinitionTable(
@@ -73,42 +52,42 @@ TABLES = (
         "supports and wind-up, to compare with a catalogue. `load_point`: of the point on which the load acts, to ground, "
         "all of it in.",
         (
-            ("nut.", NutStiffness),
-            ("load_point.", ShaftPointStiffness),
-            ("axial.", solved.AxialResults),
-            ("load_path.", LoadPath),
-            ("load_path.supports[].", SupportShare),
-            ("", AxialRigidities),
-            ("stiffness.", solved.StiffnessAtPosition),
-            ("centreline[].", solved.AxisPointDisplacement),
+            ("nut.", "compare.models.stiffness:NutStiffness"),
+            ("load_point.", "compare.models.stiffness:ShaftPointStiffness"),
+            ("axial.", "compare.results.solved:AxialResults"),
+            ("load_path.", "compare.models.loading:LoadPath"),
+            ("load_path.supports[].", "compare.models.loading:SupportShare"),
+            ("", "lowfi.rating.rigidity:AxialRigidities"),
+            ("stiffness.", "compare.results.solved:StiffnessAtPosition"),
+            ("centreline[].", "compare.results.solved:AxisPointDisplacement"),
         ),
     ),
     DefinitionTable(
         "Load curve",
         "Output of `solve --curve`, in which a range of loads replaces the scene's loads.",
-        (("", LoadCurve), ("points[].", CurvePoint)),
+        (("", "compare.results.load_curve:LoadCurve"), ("points[].", "compare.results.load_curve:CurvePoint")),
     ),
     DefinitionTable(
         "Table over parameters",
         "Output of `table`; each row also has the values of the varied parameters, with their units.",
-        (("rows[].", TableRow),),
+        (("rows[].", "compare.results.table:TableRow"),),
     ),
     DefinitionTable(
         "Scenes side by side",
         "Output of `solve A B`, in the order of the scenes.",
-        (("scenes[].", Alternative), ("", SideBySide)),
+        (("scenes[].", "compare.results.side_by_side:Alternative"), ("", "compare.results.side_by_side:SideBySide")),
     ),
     DefinitionTable(
         "Contact, ellipse and static safety",
         "For the contact with the highest pressure, from its load and curvatures by Hertz's theory: an elliptical contact "
         "of a ball, a rectangular contact of a roller.",
         (
-            ("worst_contact.", BallContact),
-            ("worst_contact.", RollerContact),
-            ("rib_contact.", RibContact),
-            ("clearance.", InternalClearance),
-            ("truncation.", EllipseTruncation),
-            ("static_safety.", StaticSafety),
+            ("worst_contact.", "lowfi.rating.contacts:BallContact"),
+            ("worst_contact.", "lowfi.rating.contacts:RollerContact"),
+            ("rib_contact.", "lowfi.bearings.tapered_roller:RibContact"),
+            ("clearance.", "meshes.one_arc:InternalClearance"),
+            ("truncation.", "lowfi.rating.contacts:EllipseTruncation"),
+            ("static_safety.", "lowfi.rating.contacts:StaticSafety"),
         ),
     ),
     DefinitionTable(
@@ -116,17 +95,17 @@ TABLES = (
         "By ISO 281 and ISO/TS 16281 for bearings and ISO 3408-5 for screws, computed from the geometry of these parts, "
         "not taken from a catalogue; the theory is in [](../theory/rating.md).",
         (
-            ("life.", Life),
-            ("modified_life.", ModifiedLife),
-            ("reference_life.", ReferenceLife),
-            ("ratings.", Ratings),
-            ("shaft.", ShaftLimits),
-            ("", set_results.SetResult),
-            ("preload.", Preload),
-            ("starting_torque.", PalmgrenLoadTorque),
-            ("axis_life.", SystemLife),
-            ("roller_torque.", RollerBearingTorque),
-            ("contact_lost.", LiftOff),
+            ("life.", "lowfi.rating.life:Life"),
+            ("modified_life.", "lowfi.rating.iso_lives:ModifiedLife"),
+            ("reference_life.", "lowfi.rating.iso_lives:ReferenceLife"),
+            ("ratings.", "lowfi.rating.contacts:Ratings"),
+            ("shaft.", "lowfi.rating.catalogue_checks:ShaftLimits"),
+            ("", "compare.models.set_results:SetResult"),
+            ("preload.", "compare.models.loading:Preload"),
+            ("starting_torque.", "lowfi.bearings.torque:PalmgrenLoadTorque"),
+            ("axis_life.", "lowfi.rating.life:SystemLife"),
+            ("roller_torque.", "lowfi.bearings.torque:RollerBearingTorque"),
+            ("contact_lost.", "compare.models.loading:LiftOff"),
         ),
     ),
     DefinitionTable(
@@ -134,15 +113,15 @@ TABLES = (
         "Torques act about the screw's axis. Their error is mainly that of the coefficient of friction, which is an input; "
         "`band` shows its effect.",
         (
-            ("band.", data.FrictionBand),
-            ("onset.", data.FrictionOnset),
-            ("play.", data.FrictionPlay),
-            ("bearing_torque.", BallBearingTorque),
-            ("roller_torques[].", RollerBearingTorque),
-            ("drive.", AxisDrive),
-            ("drive.sets[].", ShaftTorque),
-            ("", data.Friction),
-            ("", data.FrictionBall),
+            ("band.", "compare.results.data:FrictionBand"),
+            ("onset.", "compare.results.data:FrictionOnset"),
+            ("play.", "compare.results.data:FrictionPlay"),
+            ("bearing_torque.", "lowfi.bearings.torque:BallBearingTorque"),
+            ("roller_torques[].", "lowfi.bearings.torque:RollerBearingTorque"),
+            ("drive.", "compare.models.load_cases:AxisDrive"),
+            ("drive.sets[].", "compare.models.load_cases:ShaftTorque"),
+            ("", "compare.results.data:Friction"),
+            ("", "compare.results.data:FrictionBall"),
         ),
     ),
     DefinitionTable(
@@ -150,26 +129,30 @@ TABLES = (
         "An error is 100 (value - reference)/|reference| (`compare/measure.py`). The error of a contact load is in per "
         "cent of the reference's mean load unless a name says otherwise.",
         (
-            ("model_form.", ExpectedError),
-            ("", ModelLoads),
-            ("", NutOrBearingComparison),
-            ("", Uncertainty),
-            ("uncertainty.", LoadUncertainty),
-            ("verdicts[].", VerdictRow),
+            ("model_form.", "compare.models.model_form:ExpectedError"),
+            ("", "compare.results.comparison:ModelLoads"),
+            ("", "compare.results.compared:NutOrBearingComparison"),
+            ("", "compare.results.comparison:Uncertainty"),
+            ("uncertainty.", "compare.models.uncertainty:LoadUncertainty"),
+            ("verdicts[].", "compare.gate.verdict:VerdictRow"),
         ),
     ),
-    DefinitionTable("Balance and solver", "", (("equilibrium.", Equilibrium), ("solver.", SolverReport))),
+    DefinitionTable(
+        "Balance and solver",
+        "",
+        (("equilibrium.", "lowfi.statics.result:Equilibrium"), ("solver.", "lowfi.statics.result:SolverReport")),
+    ),
     DefinitionTable(
         "Several nuts or bearings, and specimens",
         "`statistics.nut_tangent_N_per_um` and `statistics.load_point_tangent_N_per_um` are those of each specimen, as "
         "`nut.tangent_N_per_um` and `load_point.tangent_N_per_um`; of several nuts or bearings on a shaft the first is "
         "that of all nuts, or of all bearings where there is no nut.",
         (
-            ("sets[].", SetResult),
-            ("housings[].", HousingResult),
-            ("summary.", solved.Result),
-            ("statistics.*.", data.Statistics),
-            ("", data.Ensemble),
+            ("sets[].", "lowfi.statics.result:SetResult"),
+            ("housings[].", "lowfi.statics.result:HousingResult"),
+            ("summary.", "compare.results.solved:Result"),
+            ("statistics.*.", "compare.results.data:Statistics"),
+            ("", "compare.results.data:Ensemble"),
         ),
     ),
     DefinitionTable(
@@ -177,12 +160,12 @@ TABLES = (
         "The output of a scene with `[[cases]]` has the list `cases`, each with the output of a scene with this load case "
         "only, and a summary of all cases.",
         (
-            ("", LoadCase),
-            ("summary.", DutyCycleResults),
-            ("", LivesOverDutyCycle),
-            ("standard_life.", EquivalentLoadLife),
-            ("summary.", data.FrictionCases),
-            ("summary[].", CycleSummary),
+            ("", "compare.scenes.duty_cycle:LoadCase"),
+            ("summary.", "compare.models.load_cases:DutyCycleResults"),
+            ("", "compare.models.load_cases:LivesOverDutyCycle"),
+            ("standard_life.", "lowfi.rating.life:EquivalentLoadLife"),
+            ("summary.", "compare.results.data:FrictionCases"),
+            ("summary[].", "compare.results.comparison:CycleSummary"),
         ),
     ),
 )

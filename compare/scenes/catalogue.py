@@ -15,8 +15,7 @@ from rollbench.compare.scenes.duty_cycle import AXIS, KINDS
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from rollbench.compare.scenes.duty_cycle import Described
-    from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+    from rollbench.compare.scenes.duty_cycle import Described, FrictionScene
 
 #: Class of a kind of scenes for which only friction is computed.
 Of = TypeVar("Of", bound="FrictionScene")

@@ -4,18 +4,42 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
+from rollbench.meshes import scene_text
+from rollbench.meshes.arrays import RecordWithArrays
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import quantity_field, result_record
-
-if TYPE_CHECKING:
-    from rollbench.compare.scenes.friction_kinds.common import FrictionScene
-
+from rollbench.meshes.scene_text import Table, toml_of_tables, without_empty_values
 
 #: Classes of all kinds of scenes that a file may describe.
 Described: TypeAlias = "Scene | FrictionScene | Assembly | DutyCycle"
+
+
+@dataclass(frozen=True)
+class FrictionScene(RecordWithArrays):
+    """Scene for which only friction is computed; base class of all such kinds."""
+
+    #: Kind of the scene, as its file names it.
+    kind: ClassVar[str]
+    #: Name of the scene.
+    name: str
+    #: Title of the scene, in one line.
+    title: str
+    #: Publication from which the data are taken.
+    source: str
+    #: Assumptions where the publication gives no value, as sentences.
+    assumed: tuple[str, ...]
+
+    def to_toml(self) -> str:
+        """Return the scene as the text of a scene file."""
+        head = without_empty_values(title=self.title, source=self.source, assumed=[*self.assumed]) | {"kind": self.kind}
+        return toml_of_tables(head | self.file_tables())
+
+    def file_tables(self) -> Table:
+        """Return the keys and tables of the scene file that belong to this kind of scene."""
+        raise NotImplementedError(self.kind)
 
 
 @result_record
@@ -52,8 +76,6 @@ class DutyCycle:
 
     def to_toml(self) -> str:
         """Return the duty cycle as the text of a scene file."""
-        from rollbench.meshes import scene_text
-
         parts = self.parts
         if isinstance(parts, Scene):
             tables = scene_text.scene_file_tables(parts)

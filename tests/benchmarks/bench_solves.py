@@ -13,7 +13,7 @@ from rollbench.compare.cases.liu import evidence as liu
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.models.study import with_ball_count
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.studies.members.ensemble import solve_random_draws
 from rollbench.compare.studies.members.members import solve_random_draws_of_scene
 from rollbench.compare.studies.rolling.cases import prepare_rolling_case

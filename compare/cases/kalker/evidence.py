@@ -14,7 +14,7 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_entry, printed_value
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind
-from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.studies.rolling.cases import prepare_rolling_case
 from rollbench.compare.studies.rolling.runs import LEVELS, QUADRATURES
 from rollbench.hifi.rolling import verification

@@ -17,7 +17,7 @@ from rollbench.compare.reference.levels import FINITE
 from rollbench.compare.reference.store import most_frequent_measuring_conditions, shipped_store
 from rollbench.compare.running import gmsh_fault
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as shipped_case
-from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.studies.rolling.cases import prepare_rolling_case
 from rollbench.compare.studies.rolling.rows import (
     GAP,

@@ -30,7 +30,7 @@ CALLS = {
     ),
     "3D": (
         "from rollbench.compare.running import usable_cores\nfrom rollbench.compare.scenes.catalogue import "
-        "shipped_scene_of_kind\nfrom rollbench.compare.scenes.friction_kinds.common import FrictionScene\nfrom "
+        "shipped_scene_of_kind\nfrom rollbench.compare.scenes.duty_cycle import FrictionScene\nfrom "
         "rollbench.compare.studies.rolling.runs import compute_run",
         "compute_run(shipped_scene_of_kind({name!r}, FrictionScene), {level}, processes=usable_cores())",
     ),

@@ -14,14 +14,17 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 
 from rollbench.compare.scenes import keys as scenes_keys
+from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.scenes.fault import Fault
 from rollbench.compare.scenes.friction_kinds import common
 from rollbench.compare.scenes.keys import SceneFileTable, key
 from rollbench.lowfi.friction.bearing import ALL, DIAGONAL, OTHER, BallRow, Bearing, BearingCase
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, Loads, contact_angle_deviations
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.meshes import ranges
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.ranges import ContactAngle, IntegerRange, ListLength, QuantityRange, RateRange, Size, Switch
+from rollbench.meshes.ranges import ContactAngle, Force, IntegerRange, ListLength, QuantityRange, RateRange, Size, Switch
+from rollbench.meshes.scene_text import Table, with_unit, without_empty_values
 
 #: Name of a friction law.
 Law = Literal["coulomb", "regularised", "sigmoid"]
@@ -76,7 +79,7 @@ class BearingBallKeys(common.HertzSceneKeys, common.EqualGrooveKeys):
 
 
 @dataclass(frozen=True)
-class BearingBallScene(common.FrictionScene):
+class BearingBallScene(FrictionScene):
     """Scene of one ball in a rotary bearing, under an axial force and a radial displacement of the inner ring."""
 
     #: Kind of the scene, as its file names it.
@@ -96,6 +99,23 @@ class BearingBallScene(common.FrictionScene):
     #: Step of the tables of the law "sigmoid" in c/a, the distance of the centre of rotation from the contact's centre
     #: divided by the semi-axis a; None: exact integrals instead of tables.
     map_step: float | None
+
+    def file_tables(self) -> Table:
+        """Return the tables of the scene file of one bearing ball."""
+        b = self.bearing
+        creep = with_unit(Creep, self.creep) if self.creep else None
+        law = without_empty_values(law=self.law, creep=creep, sharpness=self.sharpness or None, map_step=self.map_step)
+        return {
+            "material": common.material_table(b.young, b.poisson),
+            **common.track_and_groove_tables(b, 0.0 - b.clearance),
+            **common.hertz_table(b),
+            "load": {
+                "axial_force": with_unit(Force, self.force),
+                "radial_displacement": with_unit(ranges.Deviation, self.displacement),
+            },
+            "motion": {"speed": with_unit(ranges.Turning, b.screw_speed)},
+            "friction": {"coefficient": b.mu, **law},
+        }
 
 
 def bearing_ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
@@ -196,7 +216,7 @@ class BearingPairKeys(common.HertzSceneKeys):
 
 
 @dataclass(frozen=True)
-class BearingPairScene(common.FrictionScene):
+class BearingPairScene(FrictionScene):
     """Scene of a four-point and a double-row bearing under the same force."""
 
     #: Kind of the scene, as its file names it.
@@ -207,6 +227,24 @@ class BearingPairScene(common.FrictionScene):
     double_row: BearingCase
     #: Angles between the force and the bearing axis ``(n,)`` [rad]; the scene is solved for each of them.
     angle: Array
+
+    def file_tables(self) -> Table:
+        """Return the tables of the scene file of a four-point and a double-row bearing."""
+        four, double = self.four_point, self.double_row
+        groove = four.groove
+        first, second = double.rows
+        arrangement = "face to face" if first.contacts == DIAGONAL else "back to back"
+        rows = {"distance": with_unit(Size, second.place - first.place), "arrangement": arrangement}
+        load = {"force": with_unit(Force, four.force), "angles": [with_unit(ContactAngle, float(x)) for x in self.angle]}
+        return {
+            "material": common.material_table(groove.young, groove.poisson),
+            "four_point": _tables_of_one_bearing(four),
+            "double_row": _tables_of_one_bearing(double) | {"rows": rows},
+            "load": load | {"tilt": four.tilt},
+            "motion": {"speed": with_unit(ranges.Turning, groove.screw_speed)},
+            "friction": {"coefficient": groove.mu},
+            **common.hertz_table(groove),
+        }
 
 
 def bearing_pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
@@ -338,7 +376,7 @@ class LinearChainKeys(LinearBearingKeys):
 
 
 @dataclass(frozen=True)
-class LinearBearingScene(common.FrictionScene):
+class LinearBearingScene(FrictionScene):
     """Scene of N balls in a linear bearing."""
 
     #: Geometry, motion and friction of the bearing.
@@ -353,6 +391,35 @@ class LinearBearingScene(common.FrictionScene):
     distribution: Loads
     #: Gaps between neighbouring balls (N-1,) [m].
     gap: Array
+
+    def file_tables(self) -> Table:
+        """Return the tables of the scene file of balls in a linear bearing."""
+        b = self.bearing
+        load = {"vertical_force": with_unit(Force, self.vertical), "distribution": self.distribution}
+        table = {
+            "material": common.material_table(b.young, b.poisson),
+            "track": {"contact_angle": with_unit(ContactAngle, b.contact_angle)},
+            "grooves": {"conformity": b.conformity},
+            "balls": {"radius": with_unit(ranges.Radius, b.ball_radius)},
+            "motion": {"carriage": with_unit(Speed, b.speed)},
+            "friction": {"coefficient": b.mu} | ({} if b.mu_balls == b.mu else {"balls": b.mu_balls}),
+        }
+        if isinstance(self, LinearPairScene):
+            mated = b.contact_angle + contact_angle_deviations(np.full(2, self.deviation), mated=True)
+            angles = {
+                "deviation": with_unit(common.Theta, self.deviation),
+                "mated": bool(np.array_equal(mated, self.angles)),
+            }
+            return table | {"angles": angles, "load": load | {"side_force_ratio": float(self.side[0])}}
+        chain = [
+            {
+                "side_force_ratio": float(side),
+                "angle_deviations": [with_unit(common.Theta, float(x) - b.contact_angle, b.contact_angle) for x in row],
+                "gap": with_unit(ranges.Clearance, float(gap)),
+            }
+            for side, row, gap in zip(self.side, self.angles, [*self.gap, 0.0], strict=True)
+        ]
+        return table | {"load": load, "chain": chain}
 
 
 @dataclass(frozen=True)
@@ -456,3 +523,9 @@ def linear_bearing_scene(keys: LinearPairKeys | LinearChainKeys, name: str) -> L
     if isinstance(keys, LinearPairKeys):
         return LinearPairScene(*head, bearing, angles, force, side, how, gap[:-1], keys.angles.deviation)
     return LinearChainScene(*head, bearing, angles, force, side, how, gap[:-1])
+
+
+def _tables_of_one_bearing(case: BearingCase) -> Table:
+    """Return the scene-file tables of ball path, grooves and balls for one of the two bearings of a scene."""
+    bodies = common.track_and_groove_tables(case.groove, 0.0 - case.clearance)
+    return bodies | {"balls": bodies["balls"] | {"count": case.count}}

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
 
 from rollbench.compare.errors import escape_unprintable
 from rollbench.compare.scenes import keys as scenes_keys
+from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.scenes.fault import Fault, length_text
 from rollbench.compare.scenes.key_checks import groove_definition_faults
 from rollbench.compare.scenes.keys import SceneFileTable, key
 from rollbench.lowfi.friction.screw.groove import Mode, ScrewGroove
-from rollbench.meshes.arrays import RecordWithArrays
-from rollbench.meshes.ranges import Coefficient, QuantityRange
-from rollbench.meshes.scene_text import toml_of_tables
+from rollbench.meshes.ranges import Coefficient, ContactAngle, Deviation, Lead, Modulus, QuantityRange, Radius
+from rollbench.meshes.scene_text import Table, groove_table, with_unit
 
 
 class FrictionSceneKeys(scenes_keys.TitleKeys):
@@ -24,28 +24,6 @@ class FrictionSceneKeys(scenes_keys.TitleKeys):
 
     kind: str = key("what the scene describes")
     material: scenes_keys.MaterialKeys = key("material of all parts", example=scenes_keys.MATERIAL)
-
-
-@dataclass(frozen=True)
-class FrictionScene(RecordWithArrays):
-    """Scene for which only friction is computed; base class of all such kinds."""
-
-    #: Kind of the scene, as its file names it.
-    kind: ClassVar[str]
-    #: Name of the scene.
-    name: str
-    #: Title of the scene, in one line.
-    title: str
-    #: Publication from which the data are taken.
-    source: str
-    #: Assumptions where the publication gives no value, as sentences.
-    assumed: tuple[str, ...]
-
-    def to_toml(self) -> str:
-        """Return the scene as the text of a scene file."""
-        from rollbench.compare.scenes.friction_kinds.table import scene_file_tables_of_friction_scene
-
-        return toml_of_tables(scene_file_tables_of_friction_scene(self))
 
 
 #: Name, title, source of the data, and assumptions of a scene.
@@ -247,3 +225,30 @@ def missing_hertz_constant_faults(groove: ScrewGroove, prefix: str = "") -> Iter
         return
     keys = (f"{prefix}screw.groove_radius", f"{prefix}screw.conformity")
     yield Fault(keys, "a groove radius clearly above the ball's radius", "choose a larger groove radius")
+
+
+def material_table(young: float, poisson: float) -> Table:
+    """Return the table ``material`` of a scene file from Young's modulus [Pa] and Poisson's ratio."""
+    return {"youngs_modulus": with_unit(Modulus, young), "poissons_ratio": poisson}
+
+
+def track_and_groove_tables(groove: ScrewGroove, oversize: float) -> Table:
+    """Return the tables of ball path, grooves and balls of a scene file.
+
+    ``groove``: grooves and balls; ``oversize``: oversize of the ball radius [m].
+    """
+    section = groove_table(groove.groove_radius, groove.ball_radius)
+    path = {"pitch_radius": with_unit(Radius, groove.pitch_radius), "lead": with_unit(Lead, abs(groove.lead))}
+    path |= {"hand": "left"} if groove.lead < 0.0 else {}
+    return {
+        "track": path | {"contact_angle": with_unit(ContactAngle, groove.contact_angle)},
+        "screw": section,
+        "nut": section,
+        "balls": {"radius": with_unit(Radius, groove.ball_radius)},
+        **({"errors": {"balls": {"oversize": with_unit(Deviation, oversize)}}} if oversize else {}),
+    }
+
+
+def hertz_table(groove: ScrewGroove) -> Table:
+    """Return the table of a scene file that chooses Lin's printed Hertz constants; empty for the nominal constants."""
+    return {"ingredients": {"hertz": "as printed"}} if groove.hertz == "as printed" else {}

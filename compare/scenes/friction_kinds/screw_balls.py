@@ -5,20 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import degrees, pi
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
+from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.scenes.fault import Fault, length_text
 from rollbench.compare.scenes.friction_kinds import common
-from rollbench.compare.scenes.friction_kinds.common import FrictionScene, head_of_scene
+from rollbench.compare.scenes.friction_kinds.common import head_of_scene
 from rollbench.compare.scenes.key_checks import simulation_time_faults
 from rollbench.compare.scenes.keys import BallHelixKeys, BallSizeKeys, SceneFileTable, key, record_from_keys
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import Pair, Run
+from rollbench.meshes import ranges
 from rollbench.meshes.parts import Motion, Time
-from rollbench.meshes.ranges import Azimuth, IntegerRange, ListLength, QuantityRange, Turns
+from rollbench.meshes.ranges import Azimuth, Force, IntegerRange, ListLength, QuantityRange, Turning, Turns
+from rollbench.meshes.scene_text import Table, keys_of_record, with_unit, without_empty_values
 
 #: Factor on the deviation of a contact angle.
 Share = Annotated[float, QuantityRange("number", -1, 1, 1)]
@@ -143,6 +146,11 @@ class ScrewPairScene(FrictionScene):
     #: The two balls with grooves, load and friction.
     pair: Pair
 
+    def file_tables(self) -> Table:
+        """Return the tables of the scene file of two balls of a screw."""
+        angles = {"deviations": [with_unit(common.Theta, x) for x in self.pair.theta], "pattern": [*self.pair.pattern[0]]}
+        return _shared_screw_tables(self.pair.groove, self.pair, angles)
+
 
 @dataclass(frozen=True)
 class ScrewRunScene(FrictionScene):
@@ -154,6 +162,18 @@ class ScrewRunScene(FrictionScene):
     run: Run
     #: Duration and steps of the simulation.
     time: Time
+
+    def file_tables(self) -> Table:
+        """Return the tables of the scene file for a transient simulation of a whole ball screw."""
+        run = self.run
+        angles: Table = {"amplitude": with_unit(common.Theta, run.amplitude), "cycles_per_turn": run.cycles}
+        angles |= {"phase": with_unit(Azimuth, run.phase), "pattern": [*run.pattern], "follows": run.follows}
+        table, radius = _shared_screw_tables(run.groove, run, angles), run.groove.radius
+        lengths = (float(f"{run.tube * radius:.{digits}g}") for digits in range(1, 18))
+        tube = next((length for length in lengths if length / radius == run.tube), run.tube * radius)
+        table["balls"] |= {"count": run.count, "turns": run.turns}
+        table["circulation"] = {"return_tube": with_unit(ranges.Clearance, tube), "first_ball": run.first}
+        return table | {"time": keys_of_record(self.time) | {"rounds": run.rounds}}
 
 
 # --- faults of keys
@@ -258,3 +278,28 @@ def screw_run_scene(keys: ScrewSimulationKeys, name: str) -> ScrewRunScene:
         a.follows,
     )
     return ScrewRunScene(*head_of_scene(keys, name), run, time)
+
+
+def _shared_screw_tables(groove: ScrewGroove, pair_or_run: Any, angles: Table) -> Table:
+    """Return the tables that scene files of two balls of a screw and of a simulated whole screw have in common.
+
+    ``groove``: grooves, balls, speeds and friction; ``pair_or_run``: record of the two balls or of the simulation, with
+    ball oversize, force on the screw, direction in which the screw can move, and bodies that friction displaces;
+    ``angles``: table of the contact angles.
+    """
+    by_nut = groove.nut_speed != 0.0
+    speed = {"speed": with_unit(Turning, groove.nut_speed if by_nut else groove.screw_speed)}
+    direction = next(name for name, letter in FREE_TRANSLATION.items() if letter == pair_or_run.free)
+    return {
+        "material": common.material_table(groove.young, groove.poisson),
+        **common.track_and_groove_tables(groove, pair_or_run.oversize),
+        "angles": angles,
+        **common.hertz_table(groove),
+        "load": {"force": with_unit(Force, pair_or_run.force[0]), "direction": direction},
+        "motion": speed | ({"turns": "nut"} if by_nut else {}),
+        "friction": {
+            "coefficient": groove.mu,
+            **without_empty_values(balls=groove.mu_balls),
+            "coupling": pair_or_run.coupling,
+        },
+    }

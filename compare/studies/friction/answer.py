@@ -25,7 +25,7 @@ from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
 
 if TYPE_CHECKING:
-    from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+    from rollbench.compare.scenes.duty_cycle import FrictionScene
 
 
 LUBRICANT = "lubricant: film thickness, churning, and a coefficient that depends on speed, slip and temperature"

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.quantities import json_number
+from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene
-from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.studies.friction import run as friction_run

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rollbench.compare.errors import SceneNotCoveredError
+from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, LinearBearingScene
-from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
 from rollbench.hifi.rolling import scenes as rolling_scenes
 from rollbench.hifi.rolling.balls import RollingSettings

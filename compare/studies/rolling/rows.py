@@ -25,8 +25,8 @@ from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.reference.levels import FINITE, HALF_SPACE
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as shipped_case
+from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, LinearBearingScene, LinearPairScene
-from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
 from rollbench.compare.studies.friction.linear_kinds import linear_bearing_loads
 from rollbench.compare.studies.rolling import runs as rolling_runs

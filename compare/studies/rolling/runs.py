@@ -28,7 +28,7 @@ from rollbench.compare.reference.parallel import run_jobs
 from rollbench.compare.reference.store import MeasuringConditions, measuring_conditions, shipped_store
 from rollbench.compare.running import out_of_memory_error, show_progress_message
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as shipped_case
-from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.studies.rolling.cases import RollingCase, prepare_rolling_case
 from rollbench.hifi.rolling import balls
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, RigidRollingResult, RollingResult, RollingSettings

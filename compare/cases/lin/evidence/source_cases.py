@@ -14,8 +14,8 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind
+from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene, LinearPairScene
-from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.lowfi.friction.bearing import BearingCase
 from rollbench.lowfi.friction.screw.groove import ScrewGroove

@@ -23,7 +23,7 @@ from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
 
 if TYPE_CHECKING:
-    from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+    from rollbench.compare.scenes.duty_cycle import FrictionScene
 
 #: Number of balls that count as "the last few".
 LAST = 3

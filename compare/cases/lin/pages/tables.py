@@ -19,7 +19,7 @@ from rollbench.compare.reference.convergence import relative_cell_size
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import load_stored_run, shipped_store
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as case_of
-from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.sections import source_tables
 from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel
 from rollbench.compare.sections.verdicts import printed_numbers_table

@@ -11,7 +11,7 @@ from rollbench.compare.cases.kalker.evidence import AS_RUNS, BY_GRID, RESOLVED, 
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.studies.rolling import rows as rolling_rows
 from rollbench.compare.studies.rolling import runs
 from rollbench.reports.content import PressureMap, Text
