@@ -165,7 +165,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Figure:
-    """Figure with one to six panels, written as an SVG file."""
+    """Figure with one or more panels, written as an SVG file."""
 
     #: Name of the figure's SVG file, without the ending.
     name: str

@@ -13,9 +13,9 @@ from dataclasses import replace
 from typing import Any
 
 import matplotlib
+import matplotlib.figure
 import numpy as np
 from matplotlib.backends.backend_svg import FigureCanvasSVG
-from matplotlib.figure import Figure as Canvas
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
 from matplotlib.transforms import ScaledTranslation
@@ -35,8 +35,6 @@ COLOURS = "viridis"
 #: Permitted values of ``Series.style``, and of ``Panel.log_axes``.
 STYLES, SCALES = ("line", "markers", "line+markers", "band", "steps", "bars"), ("", "x", "y", "xy")
 
-#: Largest number of panels in a figure.
-MAX_PANELS = 6
 #: Colours in an SVG that the web page can replace, and the name of the CSS variable of each.
 THEME = {"#222222": "ink", "#8a8f98": "frame", "#dfe2e6": "grid", "#ffffff": "paper", "white": "paper"}
 THEME |= {colour.lower(): f"c{number}" for number, colour in enumerate(PALETTE)}
@@ -234,13 +232,23 @@ def phone_figure(figure: Figure) -> Figure:
     return replace(figure, panels=panels, columns=1, size=(PHONE, height))
 
 
+class Canvas(matplotlib.figure.Figure):
+    """Figure of matplotlib that a notebook shows as a picture, without a back end of pyplot."""
+
+    def _repr_svg_(self) -> str:
+        """Return the SVG document of the figure, for notebooks."""
+        stream = io.StringIO()
+        self.savefig(stream, format="svg")
+        return stream.getvalue()
+
+
 def draw_figure(figure: Figure) -> str:
-    """Return the SVG document of a figure that has one to six panels; see `draw_figure_and_canvas`."""
+    """Return the SVG document of a figure; see `draw_figure_and_canvas`."""
     return draw_figure_and_canvas(figure)[0]
 
 
 def draw_figure_and_canvas(figure: Figure) -> tuple[str, Canvas]:
-    """Draw a figure of one to six panels; return its SVG document and the matplotlib figure.
+    """Draw a figure; return its SVG document and the matplotlib figure.
 
     Parameters
     ----------
@@ -258,10 +266,10 @@ def draw_figure_and_canvas(figure: Figure) -> tuple[str, Canvas]:
     Raises
     ------
     ValueError
-        If there is no panel or more than six, or if the style of a curve or the scale of a panel is unknown.
+        If there is no panel, or if the style of a curve or the scale of a panel is unknown.
     """
-    if not 1 <= len(figure.panels) <= MAX_PANELS:
-        raise ValueError(f"figure {figure.name!r} has {len(figure.panels)} panels; allowed: 1 to {MAX_PANELS}")
+    if not figure.panels:
+        raise ValueError(f"figure {figure.name!r} has no panel; give it at least one")
     for panel in figure.panels:
         odd = {series.style for series in panel.series} - set(STYLES)
         fault = f"unknown curve styles {sorted(odd)}; allowed: {', '.join(STYLES)}" if odd else ""
@@ -530,9 +538,9 @@ def _extend_ordinate_to_zero(axes: Any, y: Any) -> None:
     if finite.size and np.min(finite) < 0.0 < np.max(finite):
         axes.axhline(0.0, color=_FRAME, linewidth=0.9, zorder=1.2)
     elif finite.size and np.max(finite) <= 0.0:
-        axes.set_ylim(top=0.0)
+        axes.set_ylim(1.05 * np.min(finite) or None, 0.0)
     else:
-        axes.set_ylim(bottom=0.0)
+        axes.set_ylim(0.0, 1.05 * np.max(finite, initial=0.0) or None)
 
 
 def _draw_legend_below(axes: Any, columns: int, lower: float = 0.0) -> int:

@@ -8,14 +8,19 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.compare.errors import SceneNotCoveredError
+from rollbench.compare.errors import InputError, SceneNotCoveredError
+from rollbench.compare.models.model_form import ExpectedError
 from rollbench.compare.models.set_results import SetResult
 from rollbench.compare.report import parts as report_parts
-from rollbench.compare.results.rows import bearing_and_nut_rows, expected_error_sentence
+from rollbench.compare.results.data import friction_record_from_json
+from rollbench.compare.results.rows import bearing_and_nut_rows, expected_error_sentence, friction_rows
 from rollbench.compare.results.solved import Result
+from rollbench.compare.studies.friction.solve import friction_answer_json, solve_friction_of_scene
+from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.lowfi.rating.contacts import RACES, WorstContact
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import FREEDOMS, SIDES
-from rollbench.reports.content import Row, Section, Table, TableColumn, text_column
+from rollbench.reports.content import Row, Section, Table, TableColumn, Text, text_column
 from rollbench.reports.scene_page import ScenePage
 
 
@@ -42,18 +47,23 @@ def result_page_of_shaft(scene_name: str, found: Result, stores: Sequence[Path])
         If the scene has no solution.
     """
     scene, result = found.described, found.solution
+    assert isinstance(scene, Assembly)
     if not found.converged:
         advice = f"solve the scene to see the reason: rollbench solve {shlex.quote(scene_name)}"
         raise SceneNotCoveredError(scene_name, "scene", f"no usable solution: {result.status}", advice)
     text = report_parts.scene_file_text(scene_name)
+    loads = found.figure()
     parts = [
         Section("sets", "Forces and stiffness of nuts and bearings", _force_and_stiffness_tables(found)),
-        Section("loads", "Contact loads and contact pressures", [*_contact_load_tables(found.sets)]),
+        *_friction_sections(scene),
+        Section(
+            "loads", "Contact loads and contact pressures", [*filter(None, [loads]), *_contact_load_tables(found.sets)]
+        ),
     ]
     return ScenePage(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure and life by rollbench, model {result.model}",
-        highest_pressure_sentence(found.worst),
+        highest_pressure_sentence(found.worst, found.expected_error),
         (),
         None,
         (*parts, report_parts.warnings_and_assumptions_section(result)),
@@ -68,25 +78,30 @@ def result_page_of_shaft(scene_name: str, found: Result, stores: Sequence[Path])
     )
 
 
-def highest_pressure_sentence(worst: WorstContact | None) -> str:
+def highest_pressure_sentence(worst: WorstContact | None, expected_error: ExpectedError | None) -> str:
     """Return the main result of a shaft as one sentence: the contact with the highest pressure relative to its limit.
 
     Parameters
     ----------
     worst
         This contact; None if no contact carries load.
+    expected_error
+        Expected error of the contact loads; None: not known for this shaft.
 
     Returns
     -------
     str
-        Sentence with load [N], pressure [MPa] and static safety of this contact, or that no contact carries load.
+        Sentence with load [N], pressure [MPa], static safety and expected error of this contact, or that no contact
+        carries load.
     """
     if worst is None:
         return "No contact carries load."
+    error = "the error of these loads is not known for this shaft; rollbench compare measures it"
+    if expected_error is not None and expected_error.loads is not None:
+        error = f"by comparison of similar scenes, expect an error of up to {expected_error.loads:.1f} % of the mean load"
     return (
         f"The contact with the highest pressure, in {worst.set}, carries {worst.force:.0f} N at "
-        f"{1e-6 * worst.pressure:.0f} MPa, static safety {worst.safety:.2g}; errors are not estimated for a shaft with "
-        "several nuts or bearings."
+        f"{1e-6 * worst.pressure:.0f} MPa, static safety {worst.safety:.2g}; {error}."
     )
 
 
@@ -102,18 +117,34 @@ def _force_and_stiffness_tables(found: Result) -> list[Table]:
     ]
     tables = [Table.from_rows("sets", "Force on the shaft and stiffness of each nut or bearing", rows)]
     if stiffness is not None:
+        free = [k for k, line in enumerate(stiffness) if not np.isnan(line).all()]
         cells: list[Row] = []
-        for freedom, line in zip(FREEDOMS, stiffness, strict=True):
-            cell: Row = {text_column("freedom", "component of force or moment"): freedom}
-            for f, x in zip(FREEDOMS, line, strict=True):
-                cell[TableColumn(f, f"per unit of {f}")] = None if np.isnan(x) else float(x)
+        for i in free:
+            cell: Row = {text_column("freedom", "component of force or moment"): FREEDOMS[i]}
+            for k in free:
+                cell[TableColumn(FREEDOMS[k], f"per unit of {FREEDOMS[k]}")] = float(stiffness[i, k])
             cells.append(cell)
         note = (
-            f"{place}; a row for each component of force [N] and moment [N m], a column for each "
-            "displacement [m] and rotation [rad]; a dash: a fixed degree of freedom."
+            f"{place[:1].upper()}{place[1:]}; a row for each component of force [N] and moment [N m], a column for each "
+            "displacement [m] and rotation [rad]. The other degrees of freedom are held."
         )
-        tables.append(Table.from_rows("tangent", "Tangent stiffness of the whole shaft, 6 x 6", cells, note))
+        tables.append(Table.from_rows("tangent", "Tangent stiffness of the whole shaft", cells, note))
     return tables
+
+
+def _friction_sections(scene: Assembly) -> Iterator[Section]:
+    """Yield the section on the friction of a shaft; none if the scene states no coefficient of friction."""
+    if scene.friction is None:
+        return
+    title = "Friction torque and losses"
+    try:
+        data = friction_answer_json(solve_friction_of_scene(scene, FrictionChoices(), scene.name))
+    except InputError as error:  # a nut that turns
+        yield Section("friction", title, [Text((f"Friction was not computed: {error}.",))])
+        return
+    figure = friction_record_from_json(data).figure()
+    table = report_parts.results_table(friction_rows(data), "Torques, efficiency and power lost", name="torques")
+    yield Section("friction", title, [table, *filter(None, [figure])])
 
 
 def _contact_load_tables(sets: Mapping[str, SetResult]) -> Iterator[Table]:

@@ -42,7 +42,7 @@ def warnings_and_assumptions_section(result: StaticResult | AxisResult, warnings
     return Section("assumptions", "Warnings, assumptions and neglected effects", items)
 
 
-def results_table(rows: Sequence[AnswerRow], title: str, note: str = "") -> Table:
+def results_table(rows: Sequence[AnswerRow], title: str, note: str = "", name: str = "answers") -> Table:
     """Return the page's table of results, which has the rows that ``rollbench solve`` prints.
 
     Parameters
@@ -53,6 +53,8 @@ def results_table(rows: Sequence[AnswerRow], title: str, note: str = "") -> Tabl
         Title of the table.
     note
         Sentence below the table; its first letter is capitalised.
+    name
+        Name of the table.
 
     Returns
     -------
@@ -65,7 +67,7 @@ def results_table(rows: Sequence[AnswerRow], title: str, note: str = "") -> Tabl
     cells: Iterator[Row] = (
         {q: replace_um_by_micrometre(row[k]) for (k, _), q in zip(kept, quantities, strict=True)} for row in rows
     )
-    return Table.from_rows("answers", title, cells, f"{note[:1].upper()}{note[1:]}", unfolded=True)
+    return Table.from_rows(name, title, cells, f"{note[:1].upper()}{note[1:]}", unfolded=True)
 
 
 def source_code_hash_by_name() -> dict[str, str]:

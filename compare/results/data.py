@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 
@@ -66,6 +66,8 @@ class FrictionBall:
     A field is None if the quantity does not exist for this kind of scene.
     """
 
+    set: int | None = quantity_field("set", default=None)
+    """Number of the nut or bearing on the shaft, from 1; None for a single one."""
     index: int = quantity_field("index")
     """Number of the ball along its track, from 1."""
     orbit: float | None = quantity_field("orbit_rad_s", "speed of the ball's centre about the axis")
@@ -342,16 +344,16 @@ class Friction(Data, TabularRecord):
         return {name: unit.text for name, unit in found.items() if unit is not None}
 
     def figure(self) -> Figure | None:
-        """Return the figure of the power lost by each ball on each flank, a panel a load case; else of the torques.
+        """Return the figure of the power lost by each ball on each flank, a panel a nut and load case; else of the torques.
 
         Returns
         -------
         reports.content.Figure or None
             The figure, as the report draws it; None if there is nothing to draw.
         """
-        panels = [panel for panel in (one._loss_panel(name) for name, one in (self.cases or {"": self}).items()) if panel]
+        panels = [panel for name, one in (self.cases or {"": self}).items() for panel in one._loss_panels(name)]
         if panels:
-            return Figure("friction", f"{self.scene}: friction of each ball", panels[:6])
+            return Figure("friction", f"{self.scene}: friction of each ball", panels)
         torques = self._torques()
         if not torques:
             return None
@@ -366,17 +368,22 @@ class Friction(Data, TabularRecord):
         names = ("torque", "reverse_torque", "drag_torque", "forward_torque", "backward_torque", "driving_torque_on_screw")
         return {name: value for name in names if (value := getattr(self, name)) is not None}
 
-    def _loss_panel(self, case: str) -> Panel | None:
-        """Return the panel of the power lost by each ball on each flank; None without. ``case``: name of the load case."""
-        balls = [(ball.index, ball.loss) for ball in self.balls if ball.loss is not None]
-        sides = dict.fromkeys(side for _, loss in balls for side in loss)
-        series = []
-        for side in sides:
-            y = [1e3 * (loss.get(side) or 0.0) for _, loss in balls]
-            if any(y):
-                series.append(Series(side, [float(index) for index, _ in balls], y))
-        title = f"case {case}" if case else "power lost on each flank"
-        return Panel(title, "number of the ball", "power lost / mW", series, integer_x=True) if series else None
+    def _loss_panels(self, case: str) -> Iterator[Panel]:
+        """Yield a panel of the power lost by each ball on each flank for each nut or bearing, all with the same flanks.
+
+        ``case``: name of the load case.
+        """
+        names = {row["set"]: row["name"] for row in cast("Sequence[Mapping[str, Any]]", self.values.get("sets", ()))}
+        lost = [(ball.set, ball.index, ball.loss) for ball in self.balls if ball.loss is not None]
+        sides = dict.fromkeys(side for _, _, loss in lost for side, value in loss.items() if value)
+        for number in dict.fromkeys(number for number, _, _ in lost):
+            here = [(float(index), loss) for one, index, loss in lost if one == number]
+            series = [
+                Series(side, [x for x, _ in here], [1e3 * (loss.get(side) or 0.0) for _, loss in here]) for side in sides
+            ]
+            title = ", ".join(filter(None, (case and f"case {case}", names.get(number)))) or "power lost on each flank"
+            if series:
+                yield Panel(title, "number of the ball", "power lost / mW", series, include_zero=True, integer_x=True)
 
 
 def _flat_columns(row: Mapping[str, Any], start: str = "") -> Iterator[tuple[str, Any]]:
@@ -654,7 +661,7 @@ class Ensemble(TabularRecord):
         reports.content.Figure or None
             The figure, as the report draws it; None if there is nothing to draw.
         """
-        panels = list(self._load_panels(""))[:6]
+        panels = list(self._load_panels(""))
         title = f"{self.scene}: contact loads of {self.members} specimens with random errors"
         return Figure(f"{self.scene}-members", title, panels, columns=2) if panels else None
 

@@ -155,7 +155,7 @@ class MeshStudy(TabularRecord):
             return None
         caption = "Bars: uncertainty of the finest mesh level. Thin lines to cell size zero: extrapolations by a power law."
         title = f"Convergence of contact loads and displacements of {self.scene} with the cell size"
-        return Figure(f"mesh-study-{self.scene}", title, tuple(panels[:6]), caption)
+        return Figure(f"mesh-study-{self.scene}", title, tuple(panels), caption)
 
     def _convergence_panels(self) -> Iterator[Panel]:
         """Yield the panels of loads and of displacements, of every nut or bearing: differences from the finest level."""

@@ -313,6 +313,10 @@ def support_load_rows(path: LoadPath | None) -> Iterator[Row]:
                 yield Row("load carried by a support", format_by_error(part), unit, "", f"{COMPONENTS[k]} by {taker.name}")
 
 
+#: Value of a cell below which it is a round-off error of zero, such as the net preload of a nut with larger balls [N].
+ROUND_OFF = 1e-9
+
+
 def bearing_and_nut_rows(sets: Mapping[str, SetResult]) -> list[dict[str, Any]]:
     """Return a table row for each nut or bearing on a shaft: name, position, axial force, rigidity, loads and life.
 
@@ -333,6 +337,8 @@ def bearing_and_nut_rows(sets: Mapping[str, SetResult]) -> list[dict[str, Any]]:
         row["axial force N"] = None if s.force is None else format_by_error(float(s.force[2]))
         for group, key, heading in OF_SETS:
             value = quantity_value(records.get(group), key)
+            if isinstance(value, float) and abs(value) < ROUND_OFF:
+                value = 0.0
             shown = format_range if isinstance(value, list) else format_by_error
             row[heading] = None if value is None else shown(value)
         found.append(row)

@@ -192,6 +192,24 @@ def test_the_page_of_an_axis_has_the_numbers_of_its_results():
     assert [one["name"] for one in view["cases"][0]["sets"]] == [*solved.sets]
 
 
+def test_the_page_of_a_double_nut_draws_loads_and_friction_nut_by_nut():
+    page, found = scene_page.solve_and_make_page("double-nut", STORES)
+    assert f"an error of up to {found.expected_error.loads:.1f} % of the mean load" in page.verdict
+    items = {item.name: item for part in page.parts for item in part.items if hasattr(item, "name")}
+    flanks = [
+        f"{name}, flank {side}" for name, s in found.sets.items() for k, side in enumerate(SIDES) if s.loads[:, k].any()
+    ]
+    assert [panel.title for panel in items["loads"].panels] == flanks
+    friction = rollbench.friction("double-nut")
+    assert [panel.title for panel in items["friction"].panels] == [*found.sets]
+    for number, panel in enumerate(items["friction"].panels, 1):
+        for series in panel.series:
+            lost = [1e3 * ball.loss[series.label] for ball in friction.balls if ball.set == number]
+            assert series.y == pytest.approx(lost)
+    assert items["torques"].rows[0]["quantity"] == "friction torque"
+    assert [row["freedom"] for row in items["tangent"].rows] == ["uz"], "no row of a held freedom"
+
+
 def test_load_cases_of_an_axis_are_on_its_page_and_side_by_side(tmp_path):
     (tmp_path / "cases.toml").write_text(ON_A_SHAFT.read_text() + CASES)
     out = tmp_path / "out"

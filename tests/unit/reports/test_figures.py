@@ -55,6 +55,13 @@ class TestFigures:
         assert {"oversize / µm", "rigidity / (N/µm)"} <= words
         assert not any(re.search(r"\bum\b", word) for word in words)
 
+    def test_a_notebook_shows_it_without_a_back_end_and_with_any_number_of_panels(self):
+        panels = [Panel(f"panel {k}", "x", "y", [Series("", [1, 2], [4.0, 5.0])], include_zero=True) for k in range(8)]
+        canvas = figures.draw_figure_and_canvas(figure(panels=panels))[1]
+        assert canvas._repr_svg_().count('id="axes_') == 8
+        bottom, top = canvas.axes[0].get_ylim()
+        assert (bottom, top > 5.2) == (0.0, True), "a point at the top is whole"
+
     def test_identifiers_of_two_figures_do_not_meet_and_references_resolve(self, svg):
         ids, used = ids_and_references(svg)
         assert not ids & ids_and_references(figures.draw_figure(figure("other")))[0]
