@@ -10,12 +10,11 @@ from __future__ import annotations
 
 import threading
 from _thread import interrupt_main
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import compress
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.quantities import count_with_noun
@@ -154,9 +153,6 @@ class TaskProgress:
 #: Function that is called with each line of progress.
 Step = Callable[[str], None]
 
-#: Time of the remaining jobs [s] below which no further processes are started, because each must import first.
-WORTH_WORKERS = 10.0
-
 #: Interval between regular messages on the progress of a task [s].
 HEARTBEAT = 20.0
 
@@ -180,45 +176,6 @@ class ComputingSettings:
     def processes_per_job(self) -> int:
         """Number of processes for one job: cores of this machine over the jobs at the same time; one on a cluster."""
         return max(usable_cores() // (self.parallel_jobs or 1), 1) if self.backend == "joblib" else 1
-
-
-def run_jobs_in_fastest_way(
-    jobs: Sequence[parallel.Job], engine: ComputingSettings, noun: str, step: Step
-) -> Iterator[tuple[int, Any]]:
-    """Run independent jobs, in other processes only if that saves time, and yield number and result of each.
-
-    With several workers, the first two jobs run in this process. The time of the second job, for which all modules are
-    loaded, shows whether the remaining jobs would take longer than starting other processes; if not, they run here, too.
-
-    Parameters
-    ----------
-    jobs
-        Independent jobs.
-    engine
-        Settings that determine where the jobs run.
-    noun
-        Noun in the plural for the computed items, such as "screws", for messages.
-    step
-        Function that is called with lines of progress.
-
-    Yields
-    ------
-    tuple
-        Number of the job, from 0, and its result.
-    """
-    workers, here = engine.parallel_jobs, 0
-    if (workers or 1) > 1 and engine.backend == "joblib":
-        start, here = perf_counter(), min(2, len(jobs))
-        for number, result in parallel.run_jobs(jobs[:here]):
-            left, start = (perf_counter() - start) * (len(jobs) - here), perf_counter()
-            yield number, result
-        if here and left < WORTH_WORKERS:
-            step(f"one process: the remaining {noun} take about {left:.1f} s; starting more processes takes longer")
-            workers = 1
-    for number, result in parallel.run_jobs(
-        jobs[here:], engine.backend, engine.scheduler_address, workers, engine.worker_wait_seconds
-    ):
-        yield here + number, result
 
 
 def plan_reference_tasks(

@@ -19,7 +19,7 @@ import numpy as np
 from rollbench.compare import __version__
 from rollbench.compare.errors import InputError, one_line
 from rollbench.compare.measure import load_error
-from rollbench.compare.models import model_form
+from rollbench.compare.models import many, model_form
 from rollbench.compare.models.applicability import DESCRIPTORS, DOUBLE_NUT_SURVEY, KNOWN_SCREWS, SURVEY
 from rollbench.compare.models.comparison import (
     SceneWithReference,
@@ -29,16 +29,14 @@ from rollbench.compare.models.comparison import (
 )
 from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.registry import ModelOptions, run_model
-from rollbench.compare.reference import parallel
 from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.estimate import largest_uncertainty_percent
-from rollbench.compare.reference.jobs import store_runs_and_condensed_bodies
+from rollbench.compare.reference.jobs import ComputingSettings, store_runs_and_condensed_bodies
 from rollbench.compare.reference.store import Run, read_run_file, shipped_store
 from rollbench.compare.reference.tasks import ReferenceTask, Solvable
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.from_keys import angle_of_touching_balls
 from rollbench.compare.scenes.template import LOAD, typical_dimensions
-from rollbench.compare.studies.sweep import sample
 from rollbench.lowfi.rating.life import filled_turns
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
@@ -725,21 +723,6 @@ SUMS = ("model", "error", "scenes", "median", "p95", "largest")
 ERRORS = ("largest_percent", "gate_percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
 
 
-def _solve_screw_and_append_record(folder: Path, token: str, seed: int, number: int, kind: str) -> Record | None:
-    """Compare the models on a randomly drawn screw, append the record to the survey's folder, and return it.
-
-    ``token``: text in the folder that identifies the present execution of the survey; ``seed``: seed of the survey;
-    ``number``: number of the screw; ``kind``: its kind. Returns None without solving if a later execution has taken
-    over the folder.
-    """
-    if not sample.is_token_of_current_run(folder, token):
-        return None
-    with sample.hold_process_lock(folder):
-        record = survey_screw(seed, number, folder / "runs", kind)
-        sample.RecordWriter(folder, token).append([record])
-    return record
-
-
 def solve_screws_of_survey(
     seed: int,
     count: int,
@@ -779,18 +762,16 @@ def solve_screws_of_survey(
         If the folder belongs to another survey, or another process works in it.
     """
     asked = {"survey": seed, "level": LEVEL, "version": __version__} | ({} if kind == "ball screw" else {"kind": kind})
-    sample.create_or_check_sweep_folder(folder, asked)
-    with sample.reserve_sweep_folder(folder) as token:
-        before = [*_valid_records_in_file(record_file, seed), *sample.stored_sample_records(folder)]
+    with many.open_store(folder, asked) as store:
+        before = [*_valid_records_in_file(record_file, seed), *many.stored_records(folder)]
         known = {record["number"]: record for record in before if not records_without_converged_loads([record])}
-        left = [number for number in range(count) if number not in known]
+        left = {number: (seed, number, folder / "runs", kind) for number in range(count) if number not in known}
         if len(left) < count:
             show_progress(f"{count - len(left)} scenes of {count} are known")
-        jobs = [(_solve_screw_and_append_record, (folder, token, seed, number, kind)) for number in left]
-        for job, record in parallel.run_jobs(jobs, "joblib", None, workers):
-            if record is not None:
-                known[left[job]] = record
-                show_progress(f"[{len(known)}/{count}] scene {left[job]}: {record['status']}, {record['seconds']:.0f} s")
+        engine = ComputingSettings(parallel_jobs=workers)
+        for number, record in many.solve_many(survey_screw, left, engine, store=store):
+            known[number] = record
+            show_progress(f"[{len(known)}/{count}] scene {number}: {record['status']}, {record['seconds']:.0f} s")
     return [known[number] for number in range(count) if number in known]
 
 

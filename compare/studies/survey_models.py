@@ -29,11 +29,12 @@ from rollbench.compare.gate.verdict import LIMIT, ErrorLimits, judge_contact_loa
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.applicability import KNOWN_SCREWS
 from rollbench.compare.models.loads_file import load_rows_for_csv
+from rollbench.compare.models.many import solve_many
 from rollbench.compare.models.programs import model_title
 from rollbench.compare.models.registry import ModelOptions, model_by_name, run_model
-from rollbench.compare.reference import parallel
 from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent, reference_from_runs
+from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.reference.store import SCHEMA, SETS, MeasuringConditions, measuring_conditions
 from rollbench.compare.reference.tasks import ReferenceTask, Solvable
 from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
@@ -341,9 +342,9 @@ def _judge_model_on_screws(
     if first and len(errors) == len(first):
         raise errors[0]
     rows, begin, pulse = {row["screw"]: row for row in first}, perf_counter(), 0
-    jobs: list[parallel.Job] = [(judge_model_on_random_screw, (model, number, limit)) for number in numbers[FIRST:]]
-    for _, row in parallel.run_jobs(jobs, "joblib", None, workers):
-        rows[row["screw"]] = row
+    left = {number: (model, number, limit) for number in numbers[FIRST:]}
+    for number, row in solve_many(judge_model_on_random_screw, left, ComputingSettings(parallel_jobs=workers)):
+        rows[number] = row
         if len(rows) == len(numbers) or perf_counter() - begin > 10.0 * (pulse + 1):
             pulse = int((perf_counter() - begin) / 10.0)
             show_progress(f"[{len(rows)}/{len(numbers)}] {model_title(model)}: {perf_counter() - begin:.0f} s")
@@ -566,7 +567,8 @@ def time_mesh_levels_on_screws(
     done = {(run.number, run.level) for run in runs}
     jobs = [(n, level) for n in numbers_of_screws_for_level_2()[:count] for level in LEVELS if (n, level) not in done]
     found = StoredTimedLevelRuns(conditions, utc_date_today(), runs)
-    for _, run in parallel.run_jobs([(solve_and_time_mesh_level, job) for job in jobs], "joblib", None, usable_cores()):
+    engine = ComputingSettings(parallel_jobs=usable_cores())
+    for _, run in solve_many(solve_and_time_mesh_level, dict(enumerate(jobs)), engine):
         runs.append(run)
         found = StoredTimedLevelRuns(conditions, utc_date_today(), sorted(runs, key=lambda one: (one.number, one.level)))
         save_timed_level_runs(store, found)

@@ -18,11 +18,11 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.models.answers import TANGENT_OF, results_of_contact_loads, tangent_stiffness_at
 from rollbench.compare.models.loading import with_scaled_loads
+from rollbench.compare.models.many import solve_many
 from rollbench.compare.models.model_form import estimate_model_error
 from rollbench.compare.models.registry import AXIS_MODELS, ModelOptions, default_model_name, model_by_name, run_model
 from rollbench.compare.models.stiffness import SceneStiffness, stiffness_of_scene
-from rollbench.compare.reference import parallel
-from rollbench.compare.reference.jobs import ComputingSettings, run_jobs_in_fastest_way
+from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.results.table import CONVERGED, QUANTITIES, Over, Table, TableRow
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables
 from rollbench.compare.studies.sweep import keys as sweep_keys
@@ -286,8 +286,8 @@ def solve_table(request: SceneTableRequest, engine: ComputingSettings, show_prog
         show_progress(f"{path} replaces {other} of the scene")
     places = list(product(*(vary.listed_values for vary in request.varied_keys)))
     rows: dict[int, TableRow] = {}
-    tasks: list[parallel.Job] = [(solve_table_row, (request, place)) for place in places]
-    for number, row in run_jobs_in_fastest_way(tasks, engine, "places", show_progress):
+    tasks = {number: (request, place) for number, place in enumerate(places)}
+    for number, row in solve_many(solve_table_row, tasks, engine, show_progress, noun="places"):
         rows[number] = row
         show_progress(f"[{len(rows)}/{len(places)}] {', '.join(map(str, places[number])) or 'as it stands'}: {row.status}")
     station = request.stiffness_position

@@ -9,11 +9,11 @@ import pytest
 
 from rollbench.compare.commands.survey import solve_drawn_screws
 from rollbench.compare.errors import InputError
+from rollbench.compare.models import many
 from rollbench.compare.reference.tasks import flanks_to_mesh, mesh_settings
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import survey
 from rollbench.compare.studies.survey import SCENES, SEED, random_screw_scene_text, screw_properties_for_record
-from rollbench.compare.studies.sweep import sample
 from rollbench.hifi.meshing.part_meshes import choose_refinement_box_size
 from rollbench.hifi.meshing.settings import estimate_contacts_of_scene
 from rollbench.meshes.groove_map import GrooveMap
@@ -85,7 +85,7 @@ def test_an_interrupted_survey_goes_on(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setattr(survey, "survey_screw", interrupted)
     with pytest.raises(KeyboardInterrupt):
         survey.solve_screws_of_survey(SEED, 3, tmp_path / "out", 1, said.append)
-    with next((tmp_path / "out" / sample.RECORDS).glob("*.lines")).open("ab") as file:
+    with next((tmp_path / "out" / many.RECORDS).glob("*.lines")).open("ab") as file:
         file.write(b"12345678 torn")
     solved.clear()
     records = survey.solve_screws_of_survey(SEED, 3, tmp_path / "out", 1, said.append)

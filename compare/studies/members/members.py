@@ -22,10 +22,10 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
+from rollbench.compare.models.many import in_order, solve_many
 from rollbench.compare.models.registry import ModelOptions, default_model_name, has_random_errors, model_by_name, run_model
 from rollbench.compare.quantities import json_number
-from rollbench.compare.reference import parallel
-from rollbench.compare.reference.jobs import ComputingSettings, run_jobs_in_fastest_way
+from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.results.data import Ensemble, Statistics, output_statistics
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import scenes_to_solve
@@ -187,8 +187,12 @@ def solve_random_draws_of_scene(
         allowed = "a scene that converges with loaded contacts when it is solved without its random errors"
         raise InputError(scene.name, "scene", reason, allowed, advice)
     bands, rows, failed = LoadDistributions(nominal, END * float(nominal.max()) / BINS), list[Array](), dict[int, str]()
-    done, what, engine = 0, (scene, model, nominal), engine or ComputingSettings()
-    for first, block in _solve_blocks_of_random_draws(what, count, engine, show_progress):
+    least = LEAST if isinstance(scene, Scene) else 1
+    size = max(least, min(BLOCK, count // 16))  # depends on the count only, as the division into blocks affects round-off
+    blocks = {k: (scene, model, nominal, k, min(size, count - k)) for k in range(0, count, size)}
+    solved = solve_many(ensemble.solve_block_of_random_draws, blocks, engine, show_progress, noun="members")
+    done = 0
+    for first, block in in_order(solved, [*blocks]):
         bands.add_loads(block.loads)
         rows.append(block.outputs)
         for k, status in enumerate(block.statuses):
@@ -217,33 +221,6 @@ def _check_ensemble_request(scene: Scene | Assembly, model: str, count: int) -> 
         where, table = ("errors", "[errors.balls]") if single else ("sets[].errors", "[sets.errors.balls]")
         advice = f'give a sigma to balls, pitch, roundness or profile, e.g. sigma = "0.04 um" under {table}'
         raise InputError(scene.name, where, "no random error", "at least one standard deviation (sigma) above zero", advice)
-
-
-def _solve_blocks_of_random_draws(
-    block_arguments: tuple[Scene | Assembly, str, Array],
-    count: int,
-    engine: ComputingSettings,
-    show_progress: Callable[[str], None],
-) -> Iterator[tuple[int, ensemble.RandomDrawBlock]]:
-    """Solve random draws of a scene's errors in blocks; yield for each block the number of its first draw, and its results.
-
-    Blocks may be finished in any order but are yielded by increasing numbers. ``block_arguments``: scene, model, and
-    contact loads without random errors, as `solve_block_of_random_draws` takes them; ``count``: number of specimens;
-    ``show_progress``: function that is called with each line of progress.
-    """
-    least = LEAST if isinstance(block_arguments[0], Scene) else 1
-    size = max(least, min(BLOCK, count // 16))  # depends on the count only, as the division into blocks affects round-off
-    starts = range(0, count, size)
-    jobs: list[parallel.Job] = [
-        (ensemble.solve_block_of_random_draws, (*block_arguments, first, min(size, count - first))) for first in starts
-    ]
-    waiting: dict[int, ensemble.RandomDrawBlock] = {}
-    following = 0
-    for place, block in run_jobs_in_fastest_way(jobs, engine, "members", show_progress):
-        waiting[place] = block
-        while following in waiting:
-            yield following * size, waiting.pop(following)
-            following += 1
 
 
 def ensemble_of_load_cases(

@@ -11,6 +11,7 @@ import io
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +22,9 @@ from scipy.stats import sobol_indices
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError, ProgramError, SceneNotCoveredError
 from rollbench.compare.files import replace_file, write_figure, written_together
-from rollbench.compare.models import user_models
+from rollbench.compare.models import many, user_models
 from rollbench.compare.models.registry import AXIS_MODELS, DEFAULT, MODELS, default_model_name, model_by_name
-from rollbench.compare.reference import parallel
-from rollbench.compare.reference.jobs import ComputingSettings, run_jobs_in_fastest_way
+from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
 from rollbench.compare.results.data import Statistics, output_statistics, statistics_as_json, statistics_rows
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables
@@ -111,7 +111,7 @@ class SweepDefinition:
 
 def solve_missing_samples(
     sweep: SweepDefinition, folder: Path, engine: ComputingSettings, show_progress: Step
-) -> dict[int, sample.Record]:
+) -> dict[int, many.Record]:
     """Solve the samples of a sweep that its folder does not hold yet, and return the records of all samples by number.
 
     ``folder``: folder of the stored samples; ``engine``: number of processes, or cluster, that solve the samples;
@@ -124,28 +124,25 @@ def solve_missing_samples(
         _check_first_samples_are_accepted(sweep, places)
     for path, other in sweep_keys.varied_and_replaced_keys(scene_file.parse_toml(sweep.text, sweep.origin), sweep.keys):
         show_progress(f"{path} replaces {other} of the scene")
-    sample.create_or_check_sweep_folder(folder, sweep.header())
-    with sample.reserve_sweep_folder(folder) as token:
+    with many.open_store(folder, sweep.header()) as store:
         have = sample.stored_records_by_sample(folder)
-        left = [n for n in range(len(places)) if n not in have]
-        show_progress(f"{len(places)} samples, {len(have)} stored in {folder}, {len(left)} to solve")
-        if not left:
-            return have
-        what = (sweep.text, sweep.file_name, sweep.keys, sweep.model, sweep.wanted_outputs)
+        rows = {
+            n: (n, sweep_keys.key_values_at_coordinates(sweep.keys, place))
+            for n, place in enumerate(places)
+            if n not in have
+        }
+        show_progress(f"{len(places)} samples, {len(have)} stored in {folder}, {len(rows)} to solve")
+        solve = partial(
+            sample.solve_numbered_sample, sweep.text, sweep.file_name, sweep.keys, sweep.model, sweep.wanted_outputs
+        )
         workers = engine.parallel_jobs or (MANY if engine.scheduler_address else 1)
-        size = max(1, min(LARGEST_BATCH, len(left) // (BATCHES * workers)))
-        jobs: list[parallel.Job] = []
-        for k in range(0, len(left), size):
-            batch = [(n, sweep_keys.key_values_at_coordinates(sweep.keys, places[n])) for n in left[k : k + size]]
-            jobs.append((sample.solve_and_append_batch, (str(folder.resolve()), token, what, batch)))
-        writer = sample.RecordWriter(folder, token)
-        done = failed = 0
-        for _, (records, stored) in run_jobs_in_fastest_way(jobs, engine, "samples", show_progress):
-            if not stored:
-                writer.append(records)
-            done += len(records)
-            failed += sum(record["status"] != sample.CONVERGED for record in records)
-            show_progress(f"[{done}/{len(left)}] {failed} failed")
+        size = max(1, min(LARGEST_BATCH, len(rows) // (BATCHES * workers)))
+        ways: dict[str, Any] = {"store": store, "size": size, "finish": sample.compute_torques}
+        failed = 0
+        for done, (_, record) in enumerate(many.solve_many(solve, rows, engine, show_progress, noun="samples", **ways), 1):
+            failed += record["status"] != many.CONVERGED
+            if done % size == 0 or done == len(rows):
+                show_progress(f"[{done}/{len(rows)}] {failed} failed")
         return sample.stored_records_by_sample(folder)
 
 
@@ -202,7 +199,7 @@ class Sweep(TabularRecord):
     """Statistics of each output, by its name; None if fewer than two samples have a value."""
     main_effects: Mapping[str, list[dict[str, float]]]
     """For each varied key the mean largest contact load [N] in groups of samples, see `main_effects`."""
-    worst: tuple[sample.Record, ...]
+    worst: tuple[many.Record, ...]
     """Samples with the largest contact loads, the largest first."""
     indices: Mapping[str, Any]
     """Sobol indices with confidence intervals of each output, or the reason for none, see `sobol_indices_by_output`."""
@@ -263,7 +260,7 @@ class Sweep(TabularRecord):
         return (f"{self.converged} of {self.solved} samples converged: {self.folder}",)
 
 
-def sweep_summary(sweep: SweepDefinition, records: Mapping[int, sample.Record], folder: Path) -> Sweep:
+def sweep_summary(sweep: SweepDefinition, records: Mapping[int, many.Record], folder: Path) -> Sweep:
     """Return the summary of a sweep: counts, failures, statistics, main effects and Sobol indices.
 
     ``records``: records of the samples by sample number; ``folder``: their folder.
@@ -272,7 +269,7 @@ def sweep_summary(sweep: SweepDefinition, records: Mapping[int, sample.Record], 
     good = converged_records(records)
     failures: dict[str, list[str]] = {}  # statuses by reason; the status of a refused sample also states its value
     for row in rows:
-        if row["status"] != sample.CONVERGED:
+        if row["status"] != many.CONVERGED:
             failures.setdefault(str(row.get("reason", row["status"])), []).append(row["status"])
     return Sweep(
         design=sweep,
@@ -287,12 +284,12 @@ def sweep_summary(sweep: SweepDefinition, records: Mapping[int, sample.Record], 
     )
 
 
-def converged_records(records: Mapping[int, sample.Record]) -> list[sample.Record]:
+def converged_records(records: Mapping[int, many.Record]) -> list[many.Record]:
     """Return the records of converged samples in the order of their numbers."""
-    return [records[n] for n in sorted(records) if records[n]["status"] == sample.CONVERGED]
+    return [records[n] for n in sorted(records) if records[n]["status"] == many.CONVERGED]
 
 
-def output_values(records: Sequence[sample.Record], name: str) -> Array:
+def output_values(records: Sequence[many.Record], name: str) -> Array:
     """Return the values of one output in k samples as an array (k,); nan for a sample without this output.
 
     ``records``: records of the samples; ``name``: name of the output, a key of `OUTPUTS`.
@@ -300,7 +297,7 @@ def output_values(records: Sequence[sample.Record], name: str) -> Array:
     return np.array([np.nan if row[name] is None else row[name] for row in records], dtype=float)
 
 
-def key_values_as_numbers(keys: Sequence[sweep_keys.VariedKey], records: Sequence[sample.Record]) -> Array:
+def key_values_as_numbers(keys: Sequence[sweep_keys.VariedKey], records: Sequence[many.Record]) -> Array:
     """Return the values of d varied keys in k samples as an array of numbers (k, d).
 
     ``records``: records of the samples. A value from a list is replaced by its position in the list, from 1.
@@ -309,7 +306,7 @@ def key_values_as_numbers(keys: Sequence[sweep_keys.VariedKey], records: Sequenc
     return np.array(found, dtype=float).reshape(len(records), len(keys))
 
 
-def main_effects(keys: Sequence[sweep_keys.VariedKey], rows: Sequence[sample.Record]) -> dict[str, list[dict[str, float]]]:
+def main_effects(keys: Sequence[sweep_keys.VariedKey], rows: Sequence[many.Record]) -> dict[str, list[dict[str, float]]]:
     """Return for each varied key the mean largest contact load [N] in groups of samples, a list with one entry per group.
 
     A group consists of the samples in one part of the key's range, or at one value of its list. An entry has "at" (mean
@@ -345,7 +342,7 @@ def _mean_key_and_output_of_group(key_values: Array, outputs: Array) -> dict[str
     return {"at": at, "mean": mean, "standard_error": error, "samples": count}
 
 
-def sobol_indices_by_output(sweep: SweepDefinition, records: Mapping[int, sample.Record]) -> dict[str, Any]:
+def sobol_indices_by_output(sweep: SweepDefinition, records: Mapping[int, many.Record]) -> dict[str, Any]:
     """Return the Sobol indices of every output with confidence intervals of level `CONFIDENCE`, or the reason for none.
 
     For each output and key there is the first-order index with the ends of its interval (first, first_low, first_high) and
@@ -357,7 +354,7 @@ def sobol_indices_by_output(sweep: SweepDefinition, records: Mapping[int, sample
         return {"none": f"a design by {sweep.method} gives no Sobol indices: sobol does"}
     d, n = len(sweep.keys), sweep_keys.base_point_count(sweep.samples, len(sweep.keys))
     rows = [records.get(k) for k in range(n * (d + 2))]
-    good = np.array([row is not None and row["status"] == sample.CONVERGED for row in rows]).reshape(d + 2, n)
+    good = np.array([row is not None and row["status"] == many.CONVERGED for row in rows]).reshape(d + 2, n)
     whole = np.flatnonzero(good.all(axis=0))
     if whole.size < LEAST:
         return {"none": f"{whole.size} base points of {n} have all their samples; {LEAST} are needed"}
@@ -414,7 +411,7 @@ SEED = "errors.seed"
 LOAD = sample.OUTPUTS[sample.MAIN]
 
 
-def sweep_figures(found: Sweep, rows: Sequence[sample.Record]) -> list[Figure]:
+def sweep_figures(found: Sweep, rows: Sequence[many.Record]) -> list[Figure]:
     """Return the figures of a sweep; the list is empty with fewer than two converged samples.
 
     ``rows``: records of the converged samples.
@@ -431,7 +428,7 @@ def figures_from_sweep_summary(
     name: str,
     keys: Sequence[sweep_keys.VariedKey],
     effects: Mapping[str, Sequence[Mapping[str, float]]],
-    worst: Sequence[sample.Record],
+    worst: Sequence[many.Record],
     indices: Mapping[str, Any],
     short_name: Callable[[sweep_keys.VariedKey], str] = lambda vary: vary.short_name,
 ) -> list[Figure]:
@@ -507,7 +504,7 @@ def _sample_scatter_figure(
     name: str,
     keys: Sequence[sweep_keys.VariedKey],
     shown: Sequence[int],
-    rows: Sequence[sample.Record],
+    rows: Sequence[many.Record],
     left_out_sentence: str,
 ) -> Figure:
     """Return a figure of the largest contact load of single samples over each varied key that is shown.
@@ -527,7 +524,7 @@ def _sample_scatter_figure(
 def _worst_samples_figure(
     name: str,
     keys: Sequence[sweep_keys.VariedKey],
-    worst: Sequence[sample.Record],
+    worst: Sequence[many.Record],
     short_name: Callable[[sweep_keys.VariedKey], str],
 ) -> Figure:
     """Return a figure of the samples with the largest contact loads: position of each varied key in its range.
@@ -631,7 +628,7 @@ def solve_sweep(
     return found
 
 
-def samples_csv(sweep: SweepDefinition, records: Mapping[int, sample.Record]) -> str:
+def samples_csv(sweep: SweepDefinition, records: Mapping[int, many.Record]) -> str:
     """Return the samples of a sweep as CSV text, with one row for each sample.
 
     The columns are the number of the sample, the values of the varied keys, the status, the outputs, and "at", which names

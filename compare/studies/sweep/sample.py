@@ -1,35 +1,20 @@
-"""Samples of a sweep: the scene with other values, its solution, its outputs, and the folder that stores them.
-
-The folder has a file that states the sweep, and files with one line per sample, which is appended when its batch is solved
-and never changed. Every process writes to a separate file, the lines of a batch in one call and each with a checksum.
-Whenever a process is killed, finished batches are therefore complete, and a torn line is recognised.
-
-Each run of the sweep writes a token (random text) into the folder. A process that outlives its run stops after its batch,
-because the token in the folder is no longer that of its run. A new run waits, by a lock that each process holds while it
-solves, until such processes have stopped; only then does it read the folder, so that no sample is solved twice.
-"""
+"""Samples of a sweep: the scene with other values, its solution, and its outputs."""
 
 from __future__ import annotations
 
-import json
-import os
 import re
-import zlib
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, nullcontext
+from collections.abc import Callable, Collection, Sequence
 from functools import cache, lru_cache
 from pathlib import Path
-from time import monotonic
 from typing import TYPE_CHECKING, Any
-from uuid import uuid4
 
 import numpy as np
 
-from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.files import replace_file
+from rollbench.compare.errors import InputError
 from rollbench.compare.measure import mean_load
 from rollbench.compare.models import loading
 from rollbench.compare.models.load_cases import contact_loads_by_nut_or_bearing, rating_life_over_duty_cycle
+from rollbench.compare.models.many import CONVERGED, Record, stored_records
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.models.stiffness import secant_of_nuts
 from rollbench.compare.scenes import scene_file, scene_tables
@@ -42,7 +27,6 @@ from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
-from rollbench.meshes.files import machine_code
 from rollbench.meshes.parts import SIDES, Scene
 
 if TYPE_CHECKING:
@@ -301,153 +285,6 @@ def _shortest_life_of_bearings(sets: list[tuple[Scene | RollerRow, Array, Turnin
     return min((one.revolutions for one in found if one is not None), default=None)
 
 
-#: Names of files and folders in the folder of a sweep.
-HEADER, TOKEN, LOCKS, RECORDS = "sweep.json", "token", "locks", "records"
-
-#: Longest time to wait for processes of an earlier run [s].
-PATIENCE = 600.0
-
-Record = dict[str, Any]
-
-
-def create_or_check_sweep_folder(folder: Path, header: Mapping[str, Any]) -> None:
-    """Create the folder that stores a sweep, or check that an existing folder belongs to this sweep.
-
-    ``header``: JSON values that identify the sweep, such as its scene and keys; they are written to a file of the folder.
-    Raises InputError if the folder holds other files or another sweep.
-    """
-    path = folder / HEADER
-    text = json.dumps(header, indent=1, ensure_ascii=False) + "\n"
-    allowed, advice = "a new folder, or that of this sweep", "choose another folder for another sweep"
-    if path.exists():
-        if path.read_text(encoding="utf-8") != text:
-            raise ArgumentError("out", "the folder of another sweep", allowed, advice, str(folder))
-    else:
-        if folder.exists() and any(folder.iterdir()):
-            raise ArgumentError("out", "a folder with other files", allowed, advice, str(folder))
-        replace_file(path, text)
-    (folder / RECORDS).mkdir(exist_ok=True)
-    (folder / LOCKS).mkdir(exist_ok=True)
-
-
-@contextmanager
-def reserve_sweep_folder(folder: Path) -> Iterator[str]:
-    """Reserve the folder of a sweep for the present execution, and yield a text (token) that identifies the execution.
-
-    First wait until no process of an earlier execution of the sweep writes to the folder. Raises InputError if another
-    execution is active there.
-    """
-    from filelock import FileLock, Timeout
-
-    with ExitStack() as held:
-        try:
-            held.enter_context(FileLock(folder / "run", timeout=0))
-        except Timeout:
-            given, allowed = "the folder of a sweep that is running", "a folder in which no run is active"
-            raise ArgumentError("out", given, allowed, "wait for that run, or end it", str(folder)) from None
-        token = uuid4().hex
-        replace_file(folder / TOKEN, token)
-        _wait_for_earlier_runs(folder)
-        yield token
-
-
-def _wait_for_earlier_runs(folder: Path) -> None:
-    """Wait until the processes of earlier executions of a sweep have finished their batches, and remove their lock files.
-
-    ``folder``: folder of the sweep. Raises InputError if the processes take longer than `PATIENCE` seconds.
-    """
-    from filelock import FileLock, Timeout
-
-    until = monotonic() + PATIENCE
-    for path in (folder / LOCKS).iterdir():
-        try:
-            with FileLock(path, timeout=max(until - monotonic(), 0.0), poll_interval=0.02):
-                path.unlink(missing_ok=True)
-        except Timeout:
-            given = "a folder to which processes of an earlier run of the sweep still write"
-            allowed, advice = "a folder to which no other process writes", "end the processes of the earlier run"
-            raise ArgumentError("out", given, allowed, advice, str(folder)) from None
-
-
-@contextmanager
-def hold_process_lock(folder: Path) -> Iterator[None]:
-    """Hold a lock file of this process in the folder of a sweep while the process solves samples.
-
-    A later execution of the sweep waits until the lock is released.
-    """
-    from filelock import FileLock
-
-    with FileLock(folder / LOCKS / _machine_and_process_name()):
-        yield
-
-
-def _machine_and_process_name() -> str:
-    """Return digits for this machine and the number of this process, by which files of a sweep are named."""
-    return f"{machine_code()}-{os.getpid()}"
-
-
-def is_token_of_current_run(folder: Path, token: str) -> bool:
-    """Return whether the folder of a sweep exists and is reserved for the execution that ``token`` identifies."""
-    try:
-        return (folder / TOKEN).read_text(encoding="utf-8") == token
-    except OSError:
-        return False
-
-
-class RecordWriter:
-    """Writer that appends records of solved samples to a file in a sweep's folder; no other process writes this file."""
-
-    def __init__(self, folder: Path, token: str) -> None:
-        """Choose the name of the file, which is opened when the first record is appended.
-
-        ``folder``: folder of the sweep; ``token``: text that identifies the execution of the sweep.
-        """
-        self._path = folder / RECORDS / f"{token[:8]}-{_machine_and_process_name()}.lines"
-
-    def append(self, records: Sequence[Record]) -> None:
-        """Append records of samples to the file in one call; OSError if the disk does not take all of the records."""
-        lines = b"".join(map(record_as_checked_line, records))
-        handle = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o644)
-        try:
-            if os.write(handle, lines) != len(lines):
-                raise OSError(28, "the disk is full: the records of samples were not written completely", str(self._path))
-        finally:
-            os.close(handle)
-
-
-def record_as_checked_line(record: Record) -> bytes:
-    """Return the record of a sample as one line: a checksum, then JSON."""
-    body = json.dumps(record, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
-    return b"%08x %s\n" % (zlib.crc32(body), body)
-
-
-def record_from_checked_line(line: bytes) -> Record | None:
-    """Return the record of a sample from a line with checksum and JSON; None if the line is incomplete or damaged."""
-    checksum, _, body = line.rstrip(b"\n").partition(b" ")
-    if not line.endswith(b"\n") or checksum != b"%08x" % zlib.crc32(body):
-        return None
-    found: Record = json.loads(body)
-    return found
-
-
-def stored_sample_records(folder: Path) -> Iterator[Record]:
-    """Yield all undamaged records of samples in the folder of a sweep, file by file."""
-    for path in sorted((folder / RECORDS).glob("*.lines")):
-        with path.open("rb") as file:
-            for line in file:
-                record = record_from_checked_line(line)
-                if record is not None:
-                    yield record
-
-
-def stored_records_by_sample(folder: Path) -> dict[int, Record]:
-    """Return the stored records of a sweep's samples by the number of the sample, from 0."""
-    return {int(record["sample"]): record for record in stored_sample_records(folder)}
-
-
-#: Status of a solved sample.
-CONVERGED = "converged"
-
 #: Pattern of the numbers in a reason for which values are refused.
 _NUMBER = re.compile(r"[0-9][0-9.]*(e[+-]?[0-9]+)?")
 
@@ -545,40 +382,23 @@ def solve_load_case_for_outputs(
     return result, outputs_of_scene(scene, result, model, options, wanted_outputs) if result.converged else {}
 
 
-def solve_and_append_batch(
-    folder: str,
-    token: str,
-    sweep: tuple[str, str, tuple[VariedKey, ...], str, tuple[str, ...]],
-    batch: list[tuple[int, list[Any]]],
-) -> tuple[list[Record], bool]:
-    """Solve a batch of samples; return their records, and whether they were already appended to the folder of the sweep.
+def solve_numbered_sample(
+    scene_text: str,
+    origin: str,
+    varied_keys: Sequence[VariedKey],
+    model: str,
+    wanted_outputs: Collection[str],
+    number: int,
+    values: list[Any],
+) -> Record:
+    """Solve one sample of a sweep as `solve_sample`, without friction torques; return its record.
 
-    A worker process that does not see the folder, or whose execution of the sweep is over, does not write there and only
-    returns the records.
-
-    Parameters
-    ----------
-    folder
-        Folder of the sweep.
-    token
-        Text that identifies the execution of the sweep, as `reserve_sweep_folder` yields it.
-    sweep
-        TOML text of the scene file, name of that file, varied keys, name of the model, and names of the wanted
-        outputs.
-    batch
-        For each sample its number, and its values of the varied keys.
+    ``number``: number of the sample; ``values``: values of the varied keys.
     """
-    run_folder = Path(folder)
-    text, origin, keys, model, wanted = sweep
-    here = is_token_of_current_run(run_folder, token)
-    found: list[Record] = []
-    with hold_process_lock(run_folder) if here else nullcontext():
-        try:
-            for number, values in batch:
-                solved = solve_sample(text, origin, keys, values, model, wanted, torques=False)
-                found.append({"sample": number, "values": values, **solved})
-        finally:  # of an interrupted batch too
-            compute_torques(found)
-            if here and found:
-                RecordWriter(run_folder, token).append(found)
-    return found, here
+    found = solve_sample(scene_text, origin, varied_keys, values, model, wanted_outputs, torques=False)
+    return {"sample": number, "values": values, **found}
+
+
+def stored_records_by_sample(folder: Path) -> dict[int, Record]:
+    """Return the stored records of a sweep's samples by the number of the sample, from 0."""
+    return {int(record["sample"]): record for record in stored_records(folder)}

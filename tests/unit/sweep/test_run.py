@@ -16,6 +16,7 @@ from tests.processes import python
 
 from rollbench.compare.commands.sweep import solve_and_report_sweep
 from rollbench.compare.errors import InputError
+from rollbench.compare.models import many
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.results.solved import solve_shaft, solve_with_results
@@ -34,13 +35,14 @@ KILLS = """
 import os, random, signal, sys, time
 from pathlib import Path
 from rollbench.compare.reference.jobs import ComputingSettings
-from rollbench.compare.studies.sweep import run as sweeping, sample
+from rollbench.compare.models import many
+from rollbench.compare.studies.sweep import run as sweeping
 folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
 sweeping.LARGEST_BATCH, sweeping.BATCHES = 4, 1  # workers are in the midst of theirs when their run is killed
 what = sweeping.sweep_definition({scene!r}, {vary!r}, {samples}, "lhs", 1, "lin")
 random.seed(5)
 def lines():
-    return sum(path.read_bytes().count(b"\\n") for path in (folder / sample.RECORDS).glob("*.lines"))
+    return sum(path.read_bytes().count(b"\\n") for path in (folder / many.RECORDS).glob("*.lines"))
 killed = before = 0
 while killed < kills and before < 0.7 * {samples}:  # at a random number of stored samples and a random moment after
     child = os.fork()
@@ -53,7 +55,7 @@ while killed < kills and before < 0.7 * {samples}:  # at a random number of stor
     time.sleep(random.uniform(0.0, 0.005))
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
-    killed, last, before = killed + 1, before, len(list(sample.stored_sample_records(folder)))
+    killed, last, before = killed + 1, before, len(list(many.stored_records(folder)))
     assert before >= last, (before, last)
 assert before < {samples} and killed >= (kills + 1) // 2, (before, killed)  # however fast the machine
 sweeping.solve_missing_samples(what, folder, ComputingSettings(parallel_jobs=workers), print)
@@ -108,7 +110,7 @@ def undisturbed(tmp_path_factory):
 @pytest.mark.parametrize(("kills", "workers"), [(20, 1), (1, 2)], ids=["twenty kills", "workers that outlive the run"])
 def test_a_killed_sweep_loses_and_repeats_nothing(kills, workers, tmp_path, undisturbed):
     killed(tmp_path / "a", kills, workers, 200)
-    numbers = sorted(record["sample"] for record in sample.stored_sample_records(tmp_path / "a"))
+    numbers = sorted(record["sample"] for record in many.stored_records(tmp_path / "a"))
     assert numbers == list(range(200))
     assert sample.stored_records_by_sample(tmp_path / "a") == undisturbed
 
@@ -129,16 +131,16 @@ def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_p
 
 
 def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(sample, "PATIENCE", 0.05)
+    monkeypatch.setattr(many, "PATIENCE", 0.05)
     run(tmp_path / "a")
-    for used, words in (
-        (sample.reserve_sweep_folder, "a sweep that is running"),
-        (sample.hold_process_lock, "processes of an earlier run"),
-    ):
-        with used(tmp_path / "a"), pytest.raises(InputError, match=words):
-            run(tmp_path / "a")
+    header = json.loads((tmp_path / "a" / many.HEADER).read_text())
+    with many.open_store(tmp_path / "a", header), pytest.raises(InputError, match="a sweep that is running"):
+        run(tmp_path / "a")
+    earlier = many.Store(tmp_path / "a", "")
+    with earlier.process_lock(), pytest.raises(InputError, match="processes of an earlier run"):
+        run(tmp_path / "a")
     run(tmp_path / "a")
-    assert list((tmp_path / "a" / sample.LOCKS).iterdir()) == []
+    assert list((tmp_path / "a" / many.LOCKS).iterdir()) == []
     with pytest.raises(InputError, match="another sweep"):
         run(tmp_path / "a", seed=2)
     (tmp_path / "b").mkdir()
