@@ -538,9 +538,9 @@ def _extend_ordinate_to_zero(axes: Any, y: Any) -> None:
     if finite.size and np.min(finite) < 0.0 < np.max(finite):
         axes.axhline(0.0, color=_FRAME, linewidth=0.9, zorder=1.2)
     elif finite.size and np.max(finite) <= 0.0:
-        axes.set_ylim(1.05 * np.min(finite) or None, 0.0)
+        axes.set_ylim(min(axes.get_ylim()[0], 1.05 * np.min(finite, initial=0.0)), 0.0)
     else:
-        axes.set_ylim(0.0, 1.05 * np.max(finite, initial=0.0) or None)
+        axes.set_ylim(0.0, max(axes.get_ylim()[1], 1.05 * np.max(finite, initial=0.0)))
 
 
 def _draw_legend_below(axes: Any, columns: int, lower: float = 0.0) -> int:

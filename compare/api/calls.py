@@ -676,7 +676,8 @@ def sweep(
     scene
         Name or file of the scene.
     vary
-        Keys of the scene file that are varied, each with its range or values: ``["errors.balls.oversize=0 um:7 um"]``.
+        Keys of the scene file that are varied, each with its range or values: ``["errors.balls.oversize=0 um:7 um"]``; one
+        key may be a text.
     samples
         Number of samples. For ``"grid"`` it is an upper limit; for ``"sobol"`` it is approximate, because that design needs
         n (k + 2) samples for k keys, with n a power of two.

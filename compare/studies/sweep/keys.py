@@ -135,11 +135,11 @@ def read_varied_keys_of_table(texts: Sequence[str], argument: str = "over") -> t
 
 
 def read_varied_keys(texts: Sequence[str]) -> tuple[VariedKey, ...]:
-    """Read the varied keys of a sweep from texts such as "balls.count=20,24", one for each key.
+    """Read the varied keys of a sweep from texts such as "balls.count=20,24", one for each key; a single text is one key.
 
     Raises InputError for a text of another form, and for a key that is named twice.
     """
-    found = tuple(_read_varied_key(text) for text in texts)
+    found = tuple(_read_varied_key(text) for text in ((texts,) if isinstance(texts, str) else texts))
     if not 1 <= len(found) <= MOST_KEYS:
         raise ArgumentError("vary", f"{len(found)} keys", f"1 to {MOST_KEYS} keys", f"give {_FORM}")
     paths = [path for one in found for path in one.key_paths]

@@ -56,11 +56,16 @@ class TestFigures:
         assert not any(re.search(r"\bum\b", word) for word in words)
 
     def test_a_notebook_shows_it_without_a_back_end_and_with_any_number_of_panels(self):
-        panels = [Panel(f"panel {k}", "x", "y", [Series("", [1, 2], [4.0, 5.0])], include_zero=True) for k in range(8)]
+        drawn = [Series("", [1, 2], [4.0, 5.0])]
+        panels = [Panel(f"panel {k}", "x", "y", drawn, include_zero=True) for k in range(7)]
+        panels.append(
+            Panel("band", "x", "y", [Series("", [1, 2], [4.0, 5.0], "band", upper_y=[6.0, 7.0])], include_zero=True)
+        )
         canvas = figures.draw_figure_and_canvas(figure(panels=panels))[1]
         assert canvas._repr_svg_().count('id="axes_') == 8
         bottom, top = canvas.axes[0].get_ylim()
         assert (bottom, top > 5.2) == (0.0, True), "a point at the top is whole"
+        assert canvas.axes[-1].get_ylim()[1] >= 7.0, "a band is whole"
 
     def test_identifiers_of_two_figures_do_not_meet_and_references_resolve(self, svg):
         ids, used = ids_and_references(svg)

@@ -16,6 +16,7 @@ def test_forms():
     assert (one.value_at_relative_position(0.5), four.as_number("right"), three.as_number(4)) == ("3.5 um", 2.0, 4.0)
     assert [one.as_number(text) for text in ("3.5 um", "1e-07 um", " 2um ")] == [3.5, 1e-7, 2.0]
     assert five.listed_values == (0.52, 0.56), "as TOML reads them"
+    assert keys.read_varied_keys(texts[0]) == (one,), "a single text is one key"
 
 
 @pytest.mark.parametrize(
