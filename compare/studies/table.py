@@ -10,7 +10,6 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,11 +19,11 @@ from rollbench.compare.models.answers import TANGENT_OF, results_of_contact_load
 from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.many import solve_many
 from rollbench.compare.models.model_form import estimate_model_error
-from rollbench.compare.models.registry import AXIS_MODELS, ModelOptions, default_model_name, model_by_name, run_model
+from rollbench.compare.models.registry import ModelOptions, default_model_name, run_model
 from rollbench.compare.models.stiffness import SceneStiffness, stiffness_of_scene
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.results.table import CONVERGED, QUANTITIES, Over, Table, TableRow
-from rollbench.compare.scenes import catalogue, scene_file, scene_tables
+from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.sweep import keys as sweep_keys
 from rollbench.compare.studies.sweep import sample
 from rollbench.lowfi.compliance.parts import LADDER
@@ -44,17 +43,11 @@ MOST = 100_000
 
 
 @dataclass(frozen=True)
-class SceneTableRequest:
+class SceneTableRequest(sample.VariedScene):
     """Checked request for a table of results of a scene over several values of its keys, such as the contact angle."""
 
-    #: Text of the scene file.
-    scene_text: str
-    #: Name of the scene or its file, for error messages.
-    scene_origin: str
     #: Name of the scene.
-    scene_name: str
-    #: Varied keys with their values.
-    varied_keys: tuple[sweep_keys.VariedKey, ...]
+    name: str
     #: Columns of the table that hold the values of the varied keys, one for each key.
     key_columns: tuple[Over, ...]
     #: Name of the model.
@@ -98,37 +91,28 @@ def check_table_request(
         If scene, key, unit, quantity or model is unknown.
     """
     described = scene_file.scene_or_shaft_or_raise(catalogue.scene_of_any_kind(scene), scene)
-    if scene in catalogue.scene_names():
-        text, origin = catalogue.shipped_scene_text(scene), f"{scene}.toml"
-    else:
-        text, origin = scene_file.read_scene_text(scene), scene
+    text, origin = sample.read_scene_text_and_origin(scene)
     for name in quantities:
         if name not in QUANTITIES:
             raise ArgumentError("quantities", name, ", ".join(QUANTITIES), "give names separated by commas")
     model = model or default_model_name(described)
     _check_model_for_table(described, model, quantities)
-    raw = scene_file.parse_toml(text, origin)
     typed = sweep_keys.read_varied_keys_of_table(over)
-    keys = sweep_keys.with_axial_load_key(typed, raw, origin, "over")
-    for vary in keys:
-        for value in vary.listed_values:
-            scene_tables.validated_keys(sweep_keys.tables_with_varied_keys(raw, [vary], [value]), origin)
+    keys = sweep_keys.with_axial_load_key(typed, scene_file.parse_toml(text, origin), origin, "over")
+    sample.VariedScene(text, origin, keys).check_keys()
     if math.prod(len(x.listed_values) for x in keys) > MOST:
         given = f"more than {MOST} combinations of values of the keys"
         raise ArgumentError("over", given, f"up to {MOST} combinations", "give fewer values")
     columns, wanted = tuple(_column_of_varied_key(x) for x in typed), tuple(quantities) or USUAL
     stiffness = _position_and_body_of_stiffness(stiffness_at, described)
-    return SceneTableRequest(text, origin, described.name, keys, columns, model, wanted, *stiffness)
+    return SceneTableRequest(text, origin, keys, described.name, columns, model, wanted, *stiffness)
 
 
 def _check_model_for_table(scene: Scene | Assembly, model: str, quantities: Sequence[str]) -> None:
     """Raise InputError if a model is unknown, does not cover the scene, or cannot compute a requested stiffness matrix."""
-    if isinstance(scene, Assembly):
-        if model not in AXIS_MODELS:
-            raise ArgumentError("model", model, ", ".join(AXIS_MODELS), "choose one of these")
-        return
-    model_by_name(model, excluded_names=("condensed",))
-    if TANGENT_OF.get(model, model) not in LADDER and "stiffness" in (quantities or USUAL):
+    sample.check_model(scene, model)
+    needs_matrix = isinstance(scene, Scene) and "stiffness" in (quantities or USUAL)
+    if needs_matrix and TANGENT_OF.get(model, model) not in LADDER:
         allowed = ", ".join((*LADDER, *TANGENT_OF))
         advice = "leave stiffness out of `quantities`, as the model has no stiffness matrix, or choose another model"
         raise ArgumentError("model", model, allowed, advice)
@@ -174,11 +158,8 @@ def solve_table_row(request: SceneTableRequest, values: Sequence[Any]) -> TableR
 
     ``request``: checked request; ``values``: a value for each key.
     """
-    origin = Path(request.scene_origin).name
     try:
-        raw = scene_file.parse_toml(request.scene_text, origin)
-        tables = sweep_keys.tables_with_varied_keys(raw, request.varied_keys, values)
-        scene = scene_file.scene_or_shaft_or_raise(scene_tables.scene_from_tables(tables, origin), origin)
+        scene = scene_file.scene_or_shaft_or_raise(request.at(values), request.file_name)
         if isinstance(scene, Assembly) and isinstance(request.stiffness_position, float):
             scene = replace(scene, stiffness_at=request.stiffness_position)
         return _solve_scene_for_row(scene, request)
@@ -281,10 +262,8 @@ def solve_table(request: SceneTableRequest, engine: ComputingSettings, show_prog
     InputError
         If workers of a cluster are lost.
     """
-    raw = scene_file.parse_toml(request.scene_text, request.scene_origin)
-    for path, other in sweep_keys.varied_and_replaced_keys(raw, request.varied_keys):
-        show_progress(f"{path} replaces {other} of the scene")
-    places = list(product(*(vary.listed_values for vary in request.varied_keys)))
+    request.say_which_keys_are_replaced(show_progress)
+    places = list(product(*(vary.listed_values for vary in request.keys)))
     rows: dict[int, TableRow] = {}
     tasks = {number: (request, place) for number, place in enumerate(places)}
     for number, row in solve_many(solve_table_row, tasks, engine, show_progress, noun="places"):
@@ -292,7 +271,7 @@ def solve_table(request: SceneTableRequest, engine: ComputingSettings, show_prog
         show_progress(f"[{len(rows)}/{len(places)}] {', '.join(map(str, places[number])) or 'as it stands'}: {row.status}")
     station = request.stiffness_position
     return Table(
-        scene=request.scene_name,
+        scene=request.name,
         model=request.model,
         over=request.key_columns,
         quantities=request.quantities,

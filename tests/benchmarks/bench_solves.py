@@ -19,7 +19,7 @@ from rollbench.compare.studies.members.members import solve_random_draws_of_scen
 from rollbench.compare.studies.rolling.cases import prepare_rolling_case
 from rollbench.compare.studies.rolling.runs import LEVELS
 from rollbench.compare.studies.sweep.keys import read_varied_keys
-from rollbench.compare.studies.sweep.sample import solve_sample
+from rollbench.compare.studies.sweep.sample import VariedScene, solve_sample
 from rollbench.hifi.rolling.balls import RollingSettings, solve_half_space_contact_under_1_N, solve_rolling
 from rollbench.lowfi.as_source.newton import solve_by_lin_equations
 from rollbench.lowfi.friction.screw.run import solve_pair_of_screw_balls
@@ -98,7 +98,7 @@ def test_sample_of_a_sweep(benchmark, varied):
 
     def sample():
         value = vary.value_at_relative_position((0.618 * next(numbers)) % 1.0)
-        solve_sample(text, "lin-pitch.toml", [vary], [value], "refined")
+        solve_sample(VariedScene(text, "lin-pitch.toml", (vary,)), [value], "refined")
 
     timed(benchmark, sample)
 

@@ -23,7 +23,7 @@ from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError, ProgramError, SceneNotCoveredError
 from rollbench.compare.files import replace_file, write_figure, written_together
 from rollbench.compare.models import many, user_models
-from rollbench.compare.models.registry import AXIS_MODELS, DEFAULT, MODELS, default_model_name, model_by_name
+from rollbench.compare.models.registry import DEFAULT, MODELS, default_model_name
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
 from rollbench.compare.results.data import Statistics, output_statistics, statistics_as_json, statistics_rows
@@ -46,15 +46,9 @@ MANY = 100
 
 
 @dataclass(frozen=True)
-class SweepDefinition:
+class SweepDefinition(sample.VariedScene):
     """Definition of a sweep: scene, varied keys, design of the samples, model and outputs."""
 
-    #: Text of the scene file.
-    text: str
-    #: Name of the scene or of its file, which error messages show.
-    origin: str
-    #: Keys of the scene that are varied, with their ranges or values.
-    keys: tuple[sweep_keys.VariedKey, ...]
     #: Number of samples.
     samples: int
     #: Design of the samples: "sobol", "lhs" (Latin hypercube) or "grid".
@@ -78,11 +72,6 @@ class SweepDefinition:
         """Return the positions of the m samples in the ranges of the d varied keys, (m, d), from 0 (low end) to 1."""
         return sweep_keys.sample_coordinates(self.method, self.keys, self.samples, self.seed)
 
-    @property
-    def file_name(self) -> str:
-        """Name of the scene file without the folder in which it lies; results name the scene by it."""
-        return Path(self.origin).name
-
     def header(self) -> dict[str, Any]:
         """Return the inputs on which the samples' results depend, as JSON values by which the sweep is recognised."""
         names = ("samples", "method", "seed", "model")
@@ -97,16 +86,10 @@ class SweepDefinition:
         for name in self.outputs:
             if name not in sample.OUTPUTS:
                 raise ArgumentError("outputs", name, ", ".join(sample.OUTPUTS), "give names separated by commas")
-        raw = scene_file.parse_toml(self.text, self.origin)
-        scene = scene_tables.scene_from_tables(raw, self.origin)
-        if not isinstance(scene, Assembly):
-            model_by_name(self.model, excluded_names=("condensed",))
-        elif self.model not in AXIS_MODELS:
-            raise ArgumentError("model", self.model, ", ".join(AXIS_MODELS), "choose one of these")
+        scene = scene_tables.scene_from_tables(scene_file.parse_toml(self.text, self.origin), self.origin)
+        sample.check_model(scene, self.model)
         scene_file.scenes_to_solve(scene, self.origin)
-        for vary in self.keys:
-            for value in vary.trial_values:
-                scene_tables.validated_keys(sweep_keys.tables_with_varied_keys(raw, [vary], [value]), self.origin)
+        self.check_keys()
 
 
 def solve_missing_samples(
@@ -122,8 +105,7 @@ def solve_missing_samples(
     places = sweep.coordinates()
     if not sample.stored_records_by_sample(folder):
         _check_first_samples_are_accepted(sweep, places)
-    for path, other in sweep_keys.varied_and_replaced_keys(scene_file.parse_toml(sweep.text, sweep.origin), sweep.keys):
-        show_progress(f"{path} replaces {other} of the scene")
+    sweep.say_which_keys_are_replaced(show_progress)
     with many.open_store(folder, sweep.header()) as store:
         have = sample.stored_records_by_sample(folder)
         rows = {
@@ -132,9 +114,8 @@ def solve_missing_samples(
             if n not in have
         }
         show_progress(f"{len(places)} samples, {len(have)} stored in {folder}, {len(rows)} to solve")
-        solve = partial(
-            sample.solve_numbered_sample, sweep.text, sweep.file_name, sweep.keys, sweep.model, sweep.wanted_outputs
-        )
+        varied = sample.VariedScene(sweep.text, sweep.origin, sweep.keys)
+        solve = partial(sample.solve_numbered_sample, varied, sweep.model, sweep.wanted_outputs)
         workers = engine.parallel_jobs or (MANY if engine.scheduler_address else 1)
         size = max(1, min(LARGEST_BATCH, len(rows) // (BATCHES * workers)))
         ways: dict[str, Any] = {"store": store, "size": size, "finish": sample.compute_torques}
@@ -156,8 +137,7 @@ def _check_first_samples_are_accepted(sweep: SweepDefinition, coordinates: Array
     for place in coordinates[:FIRST]:
         try:
             values = sweep_keys.key_values_at_coordinates(sweep.keys, place)
-            what = sweep.text, sweep.origin, sweep.keys, values, sweep.model, sweep.wanted_outputs
-            sample.solve_sample_or_refuse(*what)
+            sample.solve_sample_or_refuse(sweep, values, sweep.model, sweep.wanted_outputs, sweep.origin)
             return
         except InputError as error:
             refused.append(error)
@@ -598,10 +578,7 @@ def sweep_definition(
     if the scene or the texts cannot be read.
     """
     found = catalogue.scene_of_any_kind(scene)
-    if scene in catalogue.scene_names():
-        text, origin = catalogue.shipped_scene_text(scene), f"{scene}.toml"
-    else:
-        text, origin = scene_file.read_scene_text(scene), scene
+    text, origin = sample.read_scene_text_and_origin(scene)
     model = model or (default_model_name(found) if isinstance(found, Assembly) else DEFAULT)
     keys = sweep_keys.with_axial_load_key(sweep_keys.read_varied_keys(vary), scene_file.parse_toml(text, origin), origin)
     return SweepDefinition(text, origin, keys, samples, method, seed, model, tuple(outputs))

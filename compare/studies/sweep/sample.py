@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.measure import mean_load
 from rollbench.compare.models import loading
 from rollbench.compare.models.load_cases import contact_loads_by_nut_or_bearing, rating_life_over_duty_cycle
 from rollbench.compare.models.many import CONVERGED, Record, stored_records
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.registry import AXIS_MODELS, ModelOptions, model_by_name, run_model
 from rollbench.compare.models.stiffness import secant_of_nuts
-from rollbench.compare.scenes import scene_file, scene_tables
-from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.studies.sweep.keys import VariedKey, tables_with_varied_keys
+from rollbench.compare.scenes import catalogue, scene_file, scene_tables
+from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
+from rollbench.compare.studies.sweep.keys import VariedKey, tables_with_varied_keys, varied_and_replaced_keys
 from rollbench.lowfi.rating.displacement import displacement_of_load_point, load_point
 from rollbench.lowfi.rating.iso_lives import roller_reference_life
 from rollbench.lowfi.rating.life import TurningRing, basic_rating_life, turning_ring
@@ -54,6 +55,69 @@ GROWTH = ("largest_growth", "least_growth")
 #: Output that decides which samples are the worst, and of which main effects and plots are made: the largest contact load.
 #: It is always stored, with the contact that carries this load as ``at``.
 MAIN = "largest_load_N"
+
+
+@lru_cache(maxsize=8)
+def _cached_toml_tables(text: str, origin: str) -> dict[str, Any]:
+    """Return the TOML tables in the text of a scene file; equal texts are read only once.
+
+    ``origin``: name of the file for error messages.
+    """
+    return scene_file.parse_toml(text, origin)
+
+
+@dataclass(frozen=True)
+class VariedScene:
+    """Scene of which some keys vary."""
+
+    #: Text of the scene file.
+    text: str
+    #: Name of the scene or of its file, which error messages show.
+    origin: str
+    #: Keys of the scene that are varied, with their ranges or values.
+    keys: tuple[VariedKey, ...]
+
+    @property
+    def file_name(self) -> str:
+        """Name of the scene file without the folder in which it lies; results name the scene by it."""
+        return Path(self.origin).name
+
+    def check_keys(self) -> None:
+        """Raise InputError if the scene does not allow a value of a key."""
+        raw = scene_file.parse_toml(self.text, self.origin)
+        for vary in self.keys:
+            for value in vary.trial_values:
+                scene_tables.validated_keys(tables_with_varied_keys(raw, [vary], [value]), self.origin)
+
+    def say_which_keys_are_replaced(self, show_progress: Callable[[str], None]) -> None:
+        """Show a line for each key of the scene that a varied key replaces."""
+        for path, other in varied_and_replaced_keys(scene_file.parse_toml(self.text, self.origin), self.keys):
+            show_progress(f"{path} replaces {other} of the scene")
+
+    def at(self, values: Sequence[Any], origin: str = "") -> Described:
+        """Return the scene with a value of each varied key; InputError if it does not allow them.
+
+        ``origin``: name of the scene file in errors; if empty, `file_name`.
+        """
+        origin = origin or self.file_name
+        tables = tables_with_varied_keys(_cached_toml_tables(self.text, origin), self.keys, values)
+        return scene_tables.scene_from_tables(tables, origin)
+
+
+def check_model(scene: Described, model: str) -> None:
+    """Raise InputError if the model is unknown, or does not cover the scene."""
+    if not isinstance(scene, Assembly):
+        model_by_name(model, excluded_names=("condensed",))
+    elif model not in AXIS_MODELS:
+        raise ArgumentError("model", model, ", ".join(AXIS_MODELS), "choose one of these")
+
+
+def read_scene_text_and_origin(scene: str) -> tuple[str, str]:
+    """Return the text of a scene file, then its name in error messages; ``scene``: name of a shipped scene, or the file."""
+    if scene in catalogue.scene_names():
+        return catalogue.shipped_scene_text(scene), f"{scene}.toml"
+    return scene_file.read_scene_text(scene), scene
+
 
 #: Functions that compute outputs, by name of the output; only the functions of wanted outputs are called.
 Makers = dict[str, Callable[[], Any]]
@@ -289,19 +353,8 @@ def _shortest_life_of_bearings(sets: list[tuple[Scene | RollerRow, Array, Turnin
 _NUMBER = re.compile(r"[0-9][0-9.]*(e[+-]?[0-9]+)?")
 
 
-@lru_cache(maxsize=8)
-def _cached_toml_tables(text: str, origin: str) -> dict[str, Any]:
-    """Return the TOML tables in the text of a scene file; equal texts are read only once.
-
-    ``origin``: name of the file for error messages.
-    """
-    return scene_file.parse_toml(text, origin)
-
-
 def solve_sample(
-    scene_text: str,
-    origin: str,
-    varied_keys: Sequence[VariedKey],
+    varied: VariedScene,
     values: Sequence[Any],
     model: str,
     wanted_outputs: Collection[str] = tuple(OUTPUTS),
@@ -310,13 +363,12 @@ def solve_sample(
 ) -> dict[str, Any]:
     """Solve one sample of a sweep; return its status and, if it is solved, its outputs by name.
 
-    ``scene_text``: TOML text of the scene file; ``origin``: name of that file for error messages; ``varied_keys``: varied
-    keys; ``values``: their values in this sample; ``model``: name of the model; ``wanted_outputs``: names of the outputs,
-    keys of `OUTPUTS`; ``torques``: False to leave the friction torque to `compute_torques`, which is faster for several
-    samples at once. If the scene or the model does not allow the values, status and "reason" say why.
+    ``values``: values of the varied keys in this sample; ``model``: name of the model; ``wanted_outputs``: names of the
+    outputs, keys of `OUTPUTS`; ``torques``: False to leave the friction torque to `compute_torques`, which is faster for
+    several samples at once. If the scene or the model does not allow the values, status and "reason" say why.
     """
     try:
-        found = solve_sample_or_refuse(scene_text, origin, varied_keys, values, model, wanted_outputs)
+        found = solve_sample_or_refuse(varied, values, model, wanted_outputs)
     except InputError as error:
         found = {"status": f"refused: {error}", "reason": refusal_reason_without_numbers(error)}
     if torques:
@@ -325,23 +377,17 @@ def solve_sample(
 
 
 def solve_sample_or_refuse(
-    scene_text: str,
-    origin: str,
-    varied_keys: Sequence[VariedKey],
-    values: Sequence[Any],
-    model: str,
-    wanted_outputs: Collection[str],
+    varied: VariedScene, values: Sequence[Any], model: str, wanted_outputs: Collection[str], origin: str = ""
 ) -> dict[str, Any]:
     """Solve one sample of a sweep; return its status and its outputs by name.
 
-    The arguments are those of `solve_sample`; friction torques are left to `compute_torques`. Raises InputError if the
-    scene or the model does not allow the sample's values.
+    The arguments are those of `solve_sample` and of `VariedScene.at`; friction torques are left to `compute_torques`.
+    Raises InputError if the scene or the model does not allow the sample's values.
     """
-    tables = tables_with_varied_keys(_cached_toml_tables(scene_text, origin), varied_keys, values)
-    scene = scene_tables.scene_from_tables(tables, origin)
+    scene = varied.at(values, origin)
     if isinstance(scene, DutyCycle):
         return _solve_duty_cycle_sample(scene, model, wanted_outputs)
-    one = scene_file.scene_or_shaft_or_raise(scene, origin)
+    one = scene_file.scene_or_shaft_or_raise(scene, origin or varied.file_name)
     result, kept = solve_load_case_for_outputs(one, model, wanted_outputs)
     return {"status": result.status, **kept}
 
@@ -383,19 +429,10 @@ def solve_load_case_for_outputs(
 
 
 def solve_numbered_sample(
-    scene_text: str,
-    origin: str,
-    varied_keys: Sequence[VariedKey],
-    model: str,
-    wanted_outputs: Collection[str],
-    number: int,
-    values: list[Any],
+    varied: VariedScene, model: str, wanted_outputs: Collection[str], number: int, values: list[Any]
 ) -> Record:
-    """Solve one sample of a sweep as `solve_sample`, without friction torques; return its record.
-
-    ``number``: number of the sample; ``values``: values of the varied keys.
-    """
-    found = solve_sample(scene_text, origin, varied_keys, values, model, wanted_outputs, torques=False)
+    """Solve one sample of a sweep as `solve_sample`, without friction torques; return its record with its ``number``."""
+    found = solve_sample(varied, values, model, wanted_outputs, torques=False)
     return {"sample": number, "values": values, **found}
 
 

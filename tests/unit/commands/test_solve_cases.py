@@ -14,7 +14,7 @@ from rollbench.compare.models import load_cases, registry
 from rollbench.compare.results.solved import solve_with_results
 from rollbench.compare.studies.sweep.keys import read_varied_keys
 from rollbench.compare.studies.sweep.run import SweepDefinition
-from rollbench.compare.studies.sweep.sample import solve_sample
+from rollbench.compare.studies.sweep.sample import VariedScene, solve_sample
 from rollbench.lowfi.rating.life import basic_rating_life, damage_equivalent_contact_loads, life_by_equivalent_loads
 from rollbench.reports.scene_page import read_page_data
 
@@ -97,13 +97,13 @@ def test_a_page_shows_all_cases_and_the_worst_one_in_full(tmp_path, command) -> 
 def test_a_sweep_takes_the_worst_case_and_the_life_over_the_cycle(tmp_path) -> None:
     keys = read_varied_keys(["cases[1].supports[0].displace.uz=4 um,9 um"])
     SweepDefinition(TEXT, "two.toml", keys, 2, "grid", model="lin").check()
-    low, high = (solve_sample(TEXT, "two.toml", keys, [f"{x} um"], "lin") for x in (4, 9))
+    low, high = (solve_sample(VariedScene(TEXT, "two.toml", keys), [f"{x} um"], "lin") for x in (4, 9))
     assert low["at"].startswith("case balls: ")
     assert high["at"].startswith("case push: ")
     pushed = rollbench.solve(written(tmp_path, TEXT.replace('uz = "8 um"', 'uz = "9 um"')), "lin")
     assert high["life_million_revolutions"] == pytest.approx(pushed.reference_life.revolutions, rel=1e-12)
     text = TEXT.replace(CASES, OPEN).replace('fix = ["uy", ', "fix = [")
-    assert solve_sample(text, "two.toml", (), (), "lin")["status"].startswith("case open: ")
+    assert solve_sample(VariedScene(text, "two.toml", ()), (), "lin")["status"].startswith("case open: ")
 
 
 @pytest.mark.parametrize("force", [0.02, 600.0])

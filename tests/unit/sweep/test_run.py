@@ -74,7 +74,7 @@ def run(folder, samples=40, seed=1):
 
 def sample_of(name, *wanted):
     """The outputs of a shipped scene as it is."""
-    return sample.solve_sample(catalogue.shipped_scene_text(name), f"{name}.toml", (), (), "lin", *wanted)
+    return sample.solve_sample(sample.VariedScene(*sample.read_scene_text_and_origin(name), ()), (), "lin", *wanted)
 
 
 def solution_of(name):
@@ -221,7 +221,7 @@ def test_what_the_scene_or_the_program_does_not_have_is_refused_before_anything_
 def test_a_sample_is_the_solution_of_its_scene():
     vary = ["loads[0].force[2]=1 kN:5 kN", "errors.balls.oversize=0 um:9 um"]
     sweep = sweep_definition("lin-case3", vary, 6, "lhs", 0, "lin")
-    found = sample.solve_sample(sweep.text, sweep.origin, sweep.keys, ["3.0 kN", "5.0 um"], "lin")
+    found = sample.solve_sample(sweep, ["3.0 kN", "5.0 um"], "lin")
     text = sweep.text.replace("5 kN", "3 kN").replace("7 um", "5 um")
     result = run_model(scene_file.scene_from_text(text, "x.toml"), "lin", QUIET)
     assert found["largest_load_N"] == pytest.approx(result.load.max(), rel=1e-12)
@@ -263,7 +263,7 @@ def test_outputs_that_are_not_asked_for_are_not_computed(tmp_path, monkeypatch):
 def test_growth_is_each_sets_largest_load_over_that_of_the_first_case():
     wanted = ["largest_growth", "least_growth"]
     text = catalogue.shipped_scene_text("double-nut") + case("a", share=0.5) + case("b", "5 kN", share=0.5)
-    found = sample.solve_sample(text, "my.toml", (), (), "lin", wanted)
+    found = sample.solve_sample(sample.VariedScene(text, "my.toml", ()), (), "lin", wanted)
     scene = catalogue.scene_of_any_kind("double-nut")
     low, high = (
         [s.loads.max() for s in run_model(replace(scene, loads=(Load(0.0, (0.0, 0.0, f)),)), "lin", ModelOptions()).sets]
