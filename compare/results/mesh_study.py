@@ -168,7 +168,7 @@ class MeshStudy(TabularRecord):
             shown = [x for x in self.quantities if x.name.startswith(start)]
             scale = max((abs(x.values[-1]) for x in shown), default=0.0)
             series = [s for x in shown[:MOST] for s in _convergence_curve_and_power_law(x, sizes, scale)]
-            if series:
+            if any(y for s in series for y in s.y):
                 label = f"difference from the finest level / % of {scale:.3g} {shown[0].unit}"
                 heading = f"{self.set}: {title}" if self.set else title
                 yield Panel(heading, "cell size / cell size of the finest level", label, tuple(series))

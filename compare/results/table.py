@@ -317,7 +317,7 @@ def _table_figure(table: Table) -> Figure | None:
     """
     over = [k for k, x in enumerate(table.over) if x.numbers is not None and len(x.values) > 1]
     columns = table.columns()
-    known = [name for name in ERROR_OF if any(x is not None for x in columns.get(name, ()))]
+    known = [name for name in ERROR_OF if any(columns.get(name, ()))]  # not what is zero everywhere
     names, others = known[:MOST_PANELS], known[MOST_PANELS:]
     if not over or not names:
         return None
