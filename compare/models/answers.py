@@ -261,11 +261,14 @@ def motion_of_unloaded_screw(unloaded: StaticResult, at: float | str) -> Array:
 
 
 def results_of_single(
-    scene: Scene, result: StaticResult, bare: StaticResult, stiffness: NutStiffness, model: str, options: ModelOptions
+    scene: Scene,
+    result: StaticResult,
+    bare: StaticResult,
+    stiffness: NutStiffness,
+    lift_off: loading.LiftOff | None,
+    member: int,
 ) -> SetResult:
-    """Compute all results of the only nut or bearing of a scene, such as life, rigidity, preload and lift-off load.
-
-    The lift-off load (the load at which the first preloaded contact opens) needs further solutions of the scene.
+    """Compute all results of the only nut or bearing of a scene, such as life, rigidity and preload.
 
     Parameters
     ----------
@@ -275,10 +278,10 @@ def results_of_single(
         Converged result of the scene, and its result without loads.
     stiffness
         Displacement and stiffness of the nut or bearing.
-    model
-        Name of the model.
-    options
-        Options of the model.
+    lift_off
+        Load at which the first preloaded contact opens.
+    member
+        Number of the random draw of the geometric errors, from 0.
 
     Returns
     -------
@@ -294,7 +297,7 @@ def results_of_single(
     if scene.friction is not None:
         from rollbench.compare.models.friction_sums import friction_results_of_scenes  # heavy import
 
-        ((friction, words),) = friction_results_of_scenes([(scene, scene.friction, result)], options.member)
+        ((friction, words),) = friction_results_of_scenes([(scene, scene.friction, result)], member)
     speed = None if scene.motion is None else scene.motion.speed
     found = results_of_contact_loads(scene, result.load, result.contact_angle, result.member, result.pressure, speed=speed)
     on_ring = np.zeros(3) if result.equilibrium is None else result.equilibrium.contact_force
@@ -305,7 +308,7 @@ def results_of_single(
         nut=stiffness,
         rigidities=three,
         preload=held,
-        lift_off=None if held is None else loading.find_lift_off_load(scene, result, bare, model, options),
+        lift_off=lift_off,
         friction=friction,
         friction_words=words,
         shaft=shaft_limits(scene, result),
@@ -508,20 +511,27 @@ def load_paths_by_body(
 
 
 def results_of_set(
-    assembly: Assembly, s: SetOnShaft, unloaded: SetOnShaft | None, stiffness: NutStiffness, member: int
+    assembly: Assembly,
+    result: AxisResult,
+    s: SetOnShaft,
+    unloaded: SetOnShaft | None,
+    stiffness: NutStiffness,
+    lift_off: loading.LiftOff | None,
 ) -> SetResult:
-    """Compute pressure, safety, life, preload and friction torque of one nut or bearing row on a shaft.
+    """Compute pressure, safety, life, preload, friction torque and limits of the shaft of one nut or bearing on a shaft.
 
     Parameters
     ----------
     assembly
         Shaft with several nuts or bearing rows.
+    result
+        Its solution.
     s, unloaded
         Solution of the row under the scene's loads, and without these loads; None if the unloaded shaft has no equilibrium.
     stiffness
         Displacement and stiffness of the row.
-    member
-        Number of the random draw of the geometric errors, from 0.
+    lift_off
+        Load at which its first preloaded contact opens.
 
     Returns
     -------
@@ -538,14 +548,14 @@ def results_of_set(
         assert s.balls is not None, "a set of balls has contacts"
         speed = None if assembly.motion is None else assembly.motion.speed
         loaded, load, angle = parts_under_loads(assembly, parts), s.balls.load, s.balls.contact_angle
-        found = results_of_contact_loads(loaded, load, angle, member, None, turning, speed, s.of.name)
+        found = results_of_contact_loads(loaded, load, angle, result.member, None, turning, speed, s.of.name)
         torque = bearing_friction_torque(assembly, parts, s.of.thrust, s.balls, s.force, found.worst)
-        found = replace(found, parts=parts, bearing_torque=torque)
+        found = replace(found, parts=parts, bearing_torque=torque, shaft=shaft_limits(assembly, result, parts))
     if unloaded is not None:
         loads = unloaded.loads[unloaded.loads > 0.0]
         mean = mean_load(loads) if loads.size else 0.0
         preload = loading.Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(unloaded.force[2]))
-    return replace(found, balls=s.balls, on_shaft=s, nut=stiffness, preload=preload)
+    return replace(found, balls=s.balls, on_shaft=s, nut=stiffness, preload=preload, lift_off=lift_off)
 
 
 def names_by_pressure(sets: Mapping[str, SetResult]) -> list[str]:

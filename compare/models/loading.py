@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
-from typing import NamedTuple, TypeVar, overload
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Generic, NamedTuple, TypeVar, overload
 
 import numpy as np
 
@@ -22,6 +23,8 @@ from rollbench.meshes.quantity import QuantityDescription, quantity_field, resul
 
 #: Type with a force and a moment: a load on the shaft, or a housing with its load.
 Loaded = TypeVar("Loaded", Load, Housing)
+#: Type of the solution of a scene.
+Solution = TypeVar("Solution", bound=StaticSolution)
 
 #: Search for the factor on the loads at which a contact opens: relative accuracy and largest value of the factor, largest
 #: number of solutions.
@@ -74,25 +77,40 @@ class LiftOff:
         "factor on the scene's loads at which the first preloaded contact opens",
         heading="factor on loads that opens a contact",
         form="g3",
-        note="ball {ball} {side}",
+        note="{place}",
     )
-    #: Number of the ball of the contact that opens, from 1; 0 if none was found.
-    ball: int = quantity_field("ball", "ball of the contact that opens", show=lambda ball: ball or None, default=0)
-    #: Flank of the contact that opens: SL, SR, NL, NR; empty if none was found.
+    #: Number of the ball or roller of the contact that opens, from 1; 0 if none was found.
+    ball: int = quantity_field(
+        "ball", "ball, or roller, of the contact that opens", show=lambda ball: ball or None, default=0
+    )
+    #: Flank of the contact that opens: SL, SR, NL, NR; empty for rollers, and if none was found.
     side: str = quantity_field("side", "flank of the contact that opens", show=lambda side: side or None, default="")
-    #: Axial force on the nut when the contact opens [N]; 0 if none was found.
+    #: Axial force on the nut, or of several nuts or bearings the sum of the axial loads, when the contact opens [N]; 0 if
+    #: none was found.
     axial: float = 0.0
     #: Number of times that the scene was solved for the search.
     solves: int = 0
     words: str = quantity_field(
         "words", "why no load was found at which a contact opens", show=lambda words: words or None, default=""
     )
+    #: Name of the nut or bearing; empty if the scene has only one.
+    set: str = ""
 
     @property
-    @QuantityDescription("axial_force_N", "axial force on the nut when the contact opens")
+    @QuantityDescription(
+        "axial_force_N",
+        "axial force on the nut when the contact opens; of several nuts or bearings, sum of the axial loads",
+    )
     def force(self) -> float | None:
-        """Axial force on the nut at which the contact opens [N]; None if no such load was found."""
+        """Axial force on the nut, or sum of the axial loads, at which the contact opens [N]; None if none was found."""
         return None if self.factor is None else self.axial
+
+    @property
+    @QuantityDescription("place", "nut or bearing, if the scene has several, and ball or roller whose contact opens")
+    def place(self) -> str | None:
+        """Nut or bearing, and ball with flank, or roller, of the contact that opens; None if none was found."""
+        contact = f"ball {self.ball} {self.side}" if self.side else f"roller {self.ball}"
+        return ", ".join(filter(None, (self.set, contact))) if self.ball else None
 
 
 @overload
@@ -183,58 +201,87 @@ def absolute_axial_preload(preload: Preload | None) -> float:
     return 0.0 if preload is None else abs(preload.axial)
 
 
-def find_lift_off_load(
-    scene: Scene, result: StaticResult, unloaded: StaticResult, model: str, options: ModelOptions
-) -> LiftOff | None:
-    """Find the factor on the scene's loads at which the first preloaded contact opens.
+@dataclass
+class SolutionsByLoad(Generic[Solution]):
+    """Solutions of a scene under multiples of its loads, each computed once."""
+
+    #: Scene with one nut or bearing row, or with several on one shaft.
+    scene: Scene | Assembly
+    #: Solution of the scene.
+    result: Solution
+    #: Name of the model.
+    model: str
+    #: Options of the model.
+    options: ModelOptions
+
+    @cached_property
+    def known(self) -> dict[float, Solution]:
+        """Solutions by the factor on the loads."""
+        return {1.0: self.result}
+
+    def at(self, factor: float) -> Solution:
+        """Return the solution under all loads multiplied by ``factor``; InputError if the model does not cover it."""
+        if factor not in self.known:
+            options = replace(self.options, estimate_beam_mesh_error=False)
+            found = run_model(with_scaled_loads(self.scene, factor), self.model, options)
+            assert isinstance(found, type(self.result))
+            self.known[factor] = found
+        return self.known[factor]
+
+
+def loads_of_sets(solution: StaticSolution) -> tuple[Array, ...]:
+    """Return the loads [N] of each nut or bearing: of contacts (n, 4), or of rollers (count,)."""
+    if isinstance(solution, AxisResult):
+        return tuple(s.loads for s in solution.sets)
+    return (solution.load,) if isinstance(solution, StaticResult) else ()
+
+
+def find_lift_off_loads(solutions: SolutionsByLoad[Any]) -> tuple[LiftOff | None, ...]:
+    """Find for each nut or bearing the factor on the scene's loads at which its first preloaded contact opens.
 
     The elastic approach of the bodies at a contact is nearly linear in the external load, and proportional to F^(2/3),
     where F is the contact load. Secant steps are therefore taken on F^(2/3) of the contact with the smallest load.
 
     Parameters
     ----------
-    scene
-        Scene with one nut or bearing row.
-    result
-        Result of the scene.
-    unloaded
-        Result of the scene without loads.
-    model
-        Name of the model.
-    options
-        Options of the model.
+    solutions
+        Solutions of the scene under multiples of its loads.
 
     Returns
     -------
-    LiftOff or None
-        Factor on the loads, with the contact that opens, or the reason why no factor was found; None without preload or
-        without loads.
+    tuple[LiftOff | None, ...]
+        Factor on the loads, with the contact that opens, or the reason why no factor was found; None for a nut or bearing
+        without preload, for a scene without loads, and if the unloaded scene has no equilibrium.
     """
-    tracked = unloaded.load > 0.0
-    if not tracked.any() or not any(np.any(x.force) or np.any(x.moment) for x in scene.loads):
-        return None
-    unit = axial_force(result)
+    scene, result, unloaded = solutions.scene, solutions.result, solutions.at(0.0)
+    axial = axial_force(result) if isinstance(result, StaticResult) else axial_load(scene)
+    names = [s.name for s in scene.sets] if isinstance(scene, Assembly) else [""]
+    if not has_loads(scene) or not unloaded.converged:
+        return (None,) * len(names)
+    before = loads_of_sets(unloaded)
+    largest = max(float(loads.sum()) for loads in before)
 
-    def smallest_preloaded_load(solution: StaticResult) -> tuple[float, int]:
-        """Return F^(2/3) of the least load F [N] of the preloaded contacts, and its index in the flat array of loads."""
-        values = np.where(tracked, solution.load, np.inf)
-        k = int(values.argmin())
-        return float(values.flat[k]) ** (2.0 / 3.0), k
+    def of_set(k: int) -> LiftOff | None:
+        """Return the lift-off load of the nut or bearing with index ``k``."""
+        tracked = before[k] > 0.0
+        if not float(before[k].sum()) > NOTHING * largest:
+            return None
 
-    (approach, nearest), (first, contact) = smallest_preloaded_load(result), smallest_preloaded_load(unloaded)
+        def smallest_preloaded_load(solution: StaticSolution) -> tuple[float, int]:
+            """Return F^(2/3) of the least load F [N] of the preloaded contacts, and its index in the array of loads."""
+            values = np.where(tracked, loads_of_sets(solution)[k], np.inf)
+            contact = int(values.argmin())
+            return float(values.flat[contact]) ** (2.0 / 3.0), contact
 
-    def value_at(factor: float) -> tuple[float, int] | str:
-        """Return the same at a factor on the loads, or the solver's status without equilibrium."""
-        trial = solve_with_scaled_loads(scene, factor, model, options)
-        return smallest_preloaded_load(trial) if trial.converged else trial.status
+        found = _search_zero_over_loads(solutions, smallest_preloaded_load)
+        if found.factor is None:
+            words = found.words or f"no contact opens up to {FURTHEST:g} times the loads"
+            return LiftOff(None, solves=found.solves, words=words, set=names[k])
+        ball, side = divmod(found.place, len(SIDES)) if tracked.ndim == 2 else (found.place, None)
+        flank = "" if side is None else SIDES[side]
+        return LiftOff(found.factor, ball + 1, flank, found.factor * axial, found.solves, set=names[k])
 
-    found = _search_zero_over_loads((first, contact), (approach, nearest), value_at)
-    if found.factor is None:
-        return LiftOff(
-            None, solves=found.solves, words=found.words or f"no contact opens up to {FURTHEST:g} times the loads"
-        )
-    contact = found.place
-    return LiftOff(found.factor, contact // 4 + 1, SIDES[contact % 4], found.factor * unit, found.solves)
+    return tuple(map(of_set, range(len(names))))
 
 
 class _ZeroOverLoads(NamedTuple):
@@ -251,21 +298,21 @@ class _ZeroOverLoads(NamedTuple):
 
 
 def _search_zero_over_loads(
-    unloaded: tuple[float, int], loaded: tuple[float, int], value_at: Callable[[float], tuple[float, int] | str]
+    solutions: SolutionsByLoad[Any], quantity: Callable[[StaticSolution], tuple[float, int]]
 ) -> _ZeroOverLoads:
     """Return the factor on the loads at which a quantity, which falls nearly in proportion to the loads, reaches zero.
 
-    ``unloaded``, ``loaded``: quantity and its place without loads and under the loads; ``value_at``: function that returns
-    both at a factor on the loads, zero beyond the factor that is searched, or the solver's status without equilibrium.
+    ``quantity``: function that returns the quantity in a solution, zero beyond the factor that is searched, and its place.
     """
-    (first, place), (now, nearest) = unloaded, loaded
-    known, high = [(0.0, first)], np.inf
-    if now > 0.0:
-        known.append((1.0, now))
-        place = nearest
-    else:
-        high, place = 1.0, nearest
-    before = np.nan
+    high, place, known, before = np.inf, 0, list[tuple[float, float]](), np.nan
+    for factor, solution in sorted(solutions.known.items()):
+        if factor < high and solution.converged:
+            value, place = quantity(solution)
+            if value > 0.0:
+                before = _zero_of_secant(known)
+                known.append((factor, value))
+            else:
+                high = factor
     for solves in range(MOST):
         root = _zero_of_secant(known)
         if root > FURTHEST and high == np.inf and len(known) > 1:
@@ -277,16 +324,15 @@ def _search_zero_over_loads(
             return _ZeroOverLoads(high, place, solves)
         before = root
         factor = low + NEAR * (root - low) if root < high else 0.5 * (low + high)
-        trial = value_at(factor)
-        if isinstance(trial, str):
-            words = f"not found, because the solution at {factor:.3g} times the loads is {trial}"
+        trial = solutions.at(factor)
+        if not trial.converged:
+            words = f"not found, because the solution at {factor:.3g} times the loads is {trial.status}"
             return _ZeroOverLoads(None, place, solves + 1, words)
-        value, nearest = trial
+        value, place = quantity(trial)
         if value > 0.0:
             known.append((factor, value))
-            place = nearest
         else:
-            high, place = factor, nearest
+            high = factor
     return _ZeroOverLoads(None, place, MOST, f"not found in {MOST} solutions")
 
 
@@ -294,38 +340,26 @@ def _search_zero_over_loads(
 LOST = 0.1
 
 
-def lost_preload_warnings(
-    assembly: Assembly, result: AxisResult, preloads: Sequence[Preload | None]
-) -> Iterator[ResultWarning]:
-    """Yield a warning for each preloaded nut or row that the loads leave with less than `LOST` of its contact loads.
+def lost_preload_warnings(solutions: SolutionsByLoad[AxisResult]) -> Iterator[ResultWarning]:
+    """Yield a warning for each preloaded nut or row on a shaft that the loads leave with less than `LOST` of its loads.
 
-    The warning has the factor on the loads at which the last contact of the nut or row opens.
-
-    Parameters
-    ----------
-    assembly
-        Shaft with several nuts or bearing rows.
-    result
-        Result of the assembly.
-    preloads
-        Preload of each nut or row, None where it is not known.
+    The warning has the factor on the loads at which the last contact of the nut or row opens. ``solutions``: solutions of
+    the shaft under multiples of its loads.
     """
-    loaded_parts: list[Load | Housing] = [*assembly.loads, *assembly.housings]
-    if not any(np.any(vector) for x in loaded_parts for vector in (x.force, x.moment)):
+    result, unloaded = solutions.result, solutions.at(0.0)
+    if not has_loads(solutions.scene) or not unloaded.converged:
         return
-    sums = [0.0 if x is None else x.mean * x.contacts for x in preloads]
-    for k, (now, bare, before) in enumerate(zip(result.sets, preloads, sums, strict=True)):
-        left = float(now.loads.sum())
-        if bare is None or not before > NOTHING * max(sums) or left >= LOST * before:
+    sums = [float(loads.sum()) for loads in loads_of_sets(unloaded)]
+    for k, (now, bare, before) in enumerate(zip(result.sets, unloaded.sets, sums, strict=True)):
+        if not before > NOTHING * max(sums) or float(now.loads.sum()) >= LOST * before:
             continue
 
-        def value_at(factor: float, k: int = k) -> tuple[float, int] | str:
-            """Return (sum of contact loads)^(2/3) of the nut or row at a factor on the loads, and 0; or the status."""
-            trial = run_model(with_scaled_loads(assembly, factor), result.model, ModelOptions(member=result.member))
-            return (float(trial.sets[k].loads.sum()) ** (2.0 / 3.0), 0) if trial.converged else trial.status
+        def sum_of_loads_of_set(solution: StaticSolution, k: int = k) -> tuple[float, int]:
+            """Return (sum of contact loads)^(2/3) of the nut or row, and 0 for its place."""
+            return float(loads_of_sets(solution)[k].sum()) ** (2.0 / 3.0), 0
 
-        found = _search_zero_over_loads((before ** (2.0 / 3.0), 0), (left ** (2.0 / 3.0), 0), value_at)
-        axial = f"{abs(now.force[2]):.3g} N of {abs(bare.axial):.4g} N are left"
+        found = _search_zero_over_loads(solutions, sum_of_loads_of_set)
+        axial = f"{abs(now.force[2]):.3g} N of {abs(bare.force[2]):.4g} N are left"
         opens = "" if found.factor is None else f"; {found.factor:.3g} times the loads open it"
         brief = f"{now.of.name} has lost its preload: {axial}{opens}"
         yield ResultWarning("lost preload", f"{brief}; more preload, or smaller loads, keep both sides in contact", brief)
@@ -342,9 +376,19 @@ def _zero_of_secant(points: Sequence[tuple[float, float]]) -> float:
     return b + g * (b - a) / (f - g) if f > g else float("inf")
 
 
-def sum_of_axial_loads(assembly: Assembly) -> float:
+def axial_load(scene: Scene | Assembly) -> float:
     """Return the sum of the axial forces of all external loads on the shaft and its housings [N]."""
-    return sum(x.force[2] for x in assembly.loads) + sum(h.force[2] for h in assembly.housings)
+    return sum(x.force[2] for x in _loaded_parts(scene))
+
+
+def has_loads(scene: Scene | Assembly) -> bool:
+    """Return whether any force or moment acts on the shaft or a housing."""
+    return any(np.any(x.force) or np.any(x.moment) for x in _loaded_parts(scene))
+
+
+def _loaded_parts(scene: Scene | Assembly) -> tuple[Load | Housing, ...]:
+    """Return the loads on the shaft, and the housings with their loads."""
+    return (*scene.loads, *(scene.housings if isinstance(scene, Assembly) else ()))
 
 
 #: Share of a load that the contacts carry, below which a warning is shown [1].

@@ -43,7 +43,7 @@ from rollbench.compare.models import applicability
 from rollbench.compare.models.applicability import CALIBRATING, descriptors_outside_range
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.user_models import NOT_COMPARED, WORDS
-from rollbench.lowfi.rating.catalogue_checks import shaft_limits
+from rollbench.lowfi.rating.catalogue_checks import ShaftLimits, shaft_limits
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
@@ -447,7 +447,7 @@ def estimate_model_error(
     ExpectedError
         The estimate, without percentages if the scene is not covered.
     """
-    return _estimate_model_error([(scene, result)], result.model, "", measured_errors)
+    return _estimate_model_error([(scene, result)], result.model, shaft_limits(scene, result), "", measured_errors)
 
 
 def estimate_double_nut_error(
@@ -463,8 +463,8 @@ def estimate_double_nut_error(
     """
     if [s.kind for s in assembly.sets] != ["ball nut", "ball nut"]:
         return None
-    nuts = nuts_of_double_nut(assembly, result)
-    return _estimate_model_error(nuts, result.model, _unlike_compared_double_nuts(assembly), measured_errors)
+    nuts, unlike = nuts_of_double_nut(assembly, result), _unlike_compared_double_nuts(assembly)
+    return _estimate_model_error(nuts, result.model, shaft_limits(assembly, result, nuts[0][0]), unlike, measured_errors)
 
 
 def nuts_of_double_nut(assembly: Assembly, result: AxisResult) -> list[tuple[Scene, StaticResult]]:
@@ -498,13 +498,15 @@ def _unlike_compared_double_nuts(assembly: Assembly) -> str:
 def _estimate_model_error(
     nuts: Sequence[tuple[Scene, StaticResult]],
     model_name: str,
+    limits: ShaftLimits | None,
     unlike_compared: str,
     measured_errors: Iterable[MeasuredModelErrors] | None,
 ) -> ExpectedError:
     """Estimate the error of a model on a scene with one nut or bearing, or on a double nut.
 
-    ``nuts``: each nut as a scene, with the model's result for it; ``unlike_compared``: what the scene has that no compared
-    scene has, as text; empty: nothing; ``measured_errors``: as in `estimate_model_error`.
+    ``nuts``: each nut as a scene, with the model's result for it; ``limits``: limits of the shaft; ``unlike_compared``:
+    what the scene has that no compared scene has, as text, empty for nothing; ``measured_errors``: as in
+    `estimate_model_error`.
     """
     if model_name not in MODELS:
         return ExpectedError(None, None, float("inf"), "", 0, 0, (WORDS, NOT_COMPARED))
@@ -546,7 +548,6 @@ def _estimate_model_error(
         for (one, _), place in zip(nuts, places, strict=True)
         for words in (*descriptors_outside_range(one), *_definitions_of_features_outside_range(known, place))
     ]
-    limits = shaft_limits(*nuts[0])
     if limits is not None and limits.compression > NEAR_BUCKLING * limits.buckling:
         share = f"{100.0 * limits.compression / limits.buckling:.0f} % of the load under which it buckles"
         outside.append(f"the shaft is compressed by {share}, more than {100.0 * NEAR_BUCKLING:.0f} %")

@@ -325,7 +325,7 @@ class SetResult(Balls):
     preload: Preload | None = quantity_field("preload", default=None)
     """Contact loads without the external loads of the scene; None if there is no equilibrium without external loads."""
     lift_off: LiftOff | None = quantity_field("contact_lost", default=None)
-    """External load at which the first preloaded contact opens; None without preload, and for one of several."""
+    """External load at which the first preloaded contact opens; None without preload."""
     friction: dict[str, Any] | None = quantity_field("friction", default=None)
     """Friction torques and efficiencies as JSON values; None if not computed."""
     friction_words: str = quantity_field(
@@ -361,8 +361,7 @@ class SetResult(Balls):
     )
     """Why no life and no load ratings can be computed; empty if they can."""
     shaft: ShaftLimits | None = quantity_field("shaft", default=None)
-    """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of the screw; None for bearings, and for one of
-    several."""
+    """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of the screw; None for bearings."""
 
     @property
     def ball_sets(self) -> list[tuple[Scene, StaticResult]]:

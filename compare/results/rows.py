@@ -68,6 +68,7 @@ OF_SETS = (
     ("worst_contact", "pressure_MPa", "peak pressure MPa"),
     ("static_safety", "factor", "static safety"),
     ("preload", "axial_N", "preload N"),
+    ("contact_lost", "load_factor", "opens at times load"),
     ("bearing_torque", "starting_Nmm", "starting torque N mm"),
     ("bearing_torque", "running_Nmm", "running torque N mm"),
     ("roller_torque", "band_Nmm", "roller torque N mm"),

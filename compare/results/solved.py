@@ -20,7 +20,7 @@ from rollbench.compare.models.load_cases import (
     motor_torques_and_inertias,
     with_friction_of_nuts,
 )
-from rollbench.compare.models.loading import LoadPath, Preload
+from rollbench.compare.models.loading import LiftOff, LoadPath, Preload
 from rollbench.compare.models.model_form import ExpectedError, estimate_double_nut_error, estimate_model_error
 from rollbench.compare.models.programs import model_title
 from rollbench.compare.models.registry import ModelOptions, has_random_errors, run_model
@@ -50,7 +50,7 @@ from rollbench.compare.results.rows import (
     support_load_rows,
 )
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
-from rollbench.lowfi.rating.catalogue_checks import warn_of_overall_friction_coefficient
+from rollbench.lowfi.rating.catalogue_checks import ShaftLimits, warn_of_overall_friction_coefficient
 from rollbench.lowfi.rating.contacts import WorstContact
 from rollbench.lowfi.rating.displacement import motion_at
 from rollbench.lowfi.rating.life import Life
@@ -66,13 +66,22 @@ from rollbench.meshes.quantity import QuantityDescription, quantity_field, resul
 if TYPE_CHECKING:
     from rollbench.compare.reference.estimate import Reference
     from rollbench.lowfi.bearings.torque import BallBearingTorque
-    from rollbench.lowfi.rating.catalogue_checks import ShaftLimits
     from rollbench.lowfi.rating.iso_lives import ModifiedLife, ReferenceLife
     from rollbench.lowfi.rating.life import SystemLife
     from rollbench.reports.content import Figure, LoadCaseView, Panel, SceneView
 
 #: JSON keys of a nut or bearing that are not repeated in the summary of the whole shaft.
-OF_A_SET = ("sides", "nut", "preload", "starting_torque", "bearing_torque", "clearance", "roller_torque")
+OF_A_SET = (
+    "sides",
+    "nut",
+    "preload",
+    "starting_torque",
+    "bearing_torque",
+    "clearance",
+    "roller_torque",
+    "contact_lost",
+    "shaft",
+)
 
 
 class Status(StrEnum):
@@ -328,9 +337,21 @@ class Result(TabularRecord, Balls):
         return None if self.only is None else self.only.reference_life
 
     @property
+    @QuantityDescription("shaft")
     def shaft(self) -> ShaftLimits | None:
-        """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of the screw; None for bearings."""
-        return None if self.only is None else self.only.shaft
+        """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of the screw; None for bearings.
+
+        With several nuts, that of the nut with the lowest allowed speed.
+        """
+        limits = [s.shaft for s in self.sets.values() if s.shaft is not None]
+        return min(limits, key=lambda x: x.allowed_speed, default=None)
+
+    @property
+    @QuantityDescription("contact_lost")
+    def lift_off(self) -> LiftOff | None:
+        """External load at which the first preloaded contact of all nuts and bearings opens; None without preload."""
+        found = [s.lift_off for s in self.sets.values() if s.lift_off is not None]
+        return min(found, key=lambda x: np.inf if x.factor is None else x.factor, default=None)
 
     @property
     def preload(self) -> Preload | None:
@@ -862,11 +883,13 @@ def _solve_single(scene: Scene, model: str, options: ModelOptions) -> Result:
     result = run_model(scene, model, options)
     if not result.converged:
         return Result(described=scene, solution=result, sets={"": SetResult(parts=scene, balls=result)})
-    bare = loading.solve_with_scaled_loads(scene, 0.0, model, options)
+    solutions = loading.SolutionsByLoad(scene, result, model, options)
+    bare = solutions.at(0.0)
     stiffness = stiffness_of_scene(scene, result, bare, model, options)
     at = place_of_displacement(scene)
     moved = motion_at(result, at) - answers.motion_of_unloaded_screw(bare, at)
-    one = answers.results_of_single(scene, result, bare, stiffness.nut, model, options)
+    (lift_off,) = loading.find_lift_off_loads(solutions)
+    one = answers.results_of_single(scene, result, bare, stiffness.nut, lift_off, options.member)
     path = loading.load_path_of_scene(scene, result, bare)
     warned = [*answers.validity_warnings(one, loading.absolute_axial_preload(one.preload))]
     if scene.friction is not None:
@@ -889,8 +912,8 @@ def _solve_single(scene: Scene, model: str, options: ModelOptions) -> Result:
 def solve_shaft(assembly: Assembly, model: str, member: int = 0) -> Result:
     """Solve a shaft with several nuts or bearing rows, and compute all results but friction of nuts, drive and axis life.
 
-    The shaft is solved once more without loads, and, if several bodies are loaded, once for each of them without the loads
-    on this body.
+    The shaft is solved once more without loads, some times with scaled loads to find those that open a contact, and, if
+    several bodies are loaded, once for each of them without the loads on this body.
 
     Parameters
     ----------
@@ -916,14 +939,16 @@ def solve_shaft(assembly: Assembly, model: str, member: int = 0) -> Result:
     if not result.converged:
         bare_sets = {s.of.name: SetResult(name=s.of.name, parts=s.of.parts, balls=s.balls, on_shaft=s) for s in result.sets}
         return Result(described=assembly, solution=result, sets=bare_sets)
-    bare = run_model(loading.with_scaled_loads(assembly, 0.0), result.model, options)
-    moved = None
+    solutions = loading.SolutionsByLoad(assembly, result, result.model, options)
+    bare, moved = solutions.at(0.0), None
     if bare.converged:
         at = place_of_displacement(assembly)
         moved = motion_at(result, at) - motion_at(bare, at)
     stiffness = stiffness_of_scene(assembly, result, bare, result.model, options)
-    each = zip(result.sets, bare.sets if bare.converged else [None] * len(result.sets), stiffness.sets, strict=True)
-    sets = {one[0].of.name: answers.results_of_set(assembly, *one, result.member) for one in each}
+    unloaded = bare.sets if bare.converged else [None] * len(result.sets)
+    lift_off = loading.find_lift_off_loads(solutions)
+    each = zip(result.sets, unloaded, stiffness.sets, lift_off, strict=True)
+    sets = {one[0].of.name: answers.results_of_set(assembly, result, *one) for one in each}
     path = loading.load_path_of_assembly(assembly, result, bare)
     warned = [
         w.with_part_name(s.name)
@@ -931,13 +956,15 @@ def solve_shaft(assembly: Assembly, model: str, member: int = 0) -> Result:
         for w in answers.validity_warnings(s, loading.absolute_axial_preload(s.preload))
     ]
     warned += [w for x in answers.load_paths_by_body(assembly, result, path) for w in loading.load_path_warnings(x)]
-    warned += loading.lost_preload_warnings(assembly, result, [s.preload for s in sets.values()])
+    warned += loading.lost_preload_warnings(solutions)
+    limits = [s.shaft for s in sets.values() if s.shaft is not None]
+    warned += dict.fromkeys(w for x in limits for w in x.warnings)
     warned += answers.axial_play_warnings(assembly)
     return Result(
         described=assembly,
         solution=replace(result, warnings=(*result.warnings, *warned)),
         sets=sets,
-        axial=AxialResults(loading.sum_of_axial_loads(assembly)),
+        axial=AxialResults(loading.axial_load(assembly)),
         load_point=stiffness.load_point,
         tangent_words=stiffness.words,
         displacement=moved,

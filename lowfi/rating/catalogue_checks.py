@@ -17,7 +17,8 @@ is not given, 76,200 mm/min is used, 3000 in rpm for returns by tubes (Engineers
 
 Valid for slender shafts, L above some 25 d (a shorter one yields before it buckles, and its bearings deflect before it
 whirls), with a thread over the whole length, of steel of 7850 kg/m3. Only loads and reactions that compress the shaft
-count.
+count. On a shaft with several bearing rows, rows closer than their pitch diameter are one bearing, which holds the shaft's
+tilt if it has two rows or more.
 
 A scene's coefficient of sliding friction must not be confused with the overall coefficient of a catalogue. Catalogues and
 calculators treat a ball screw as a sliding thread with one small coefficient f for all losses. With the lead angle phi of
@@ -31,12 +32,15 @@ grease, less with a full film. If f is used in its place, the computed loss is s
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import atan, cos, pi, sin, sqrt, tan
 
 import numpy as np
 
-from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.rollers import tapered_bearing_of_row
+from rollbench.lowfi.statics.result import AxisResult, StaticSolution
 from rollbench.lowfi.warned import ResultWarning
+from rollbench.meshes.axis import Assembly, RollingSet
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Friction, Scene, Support, Track
 from rollbench.meshes.quantity import quantity_field, result_record
@@ -123,11 +127,65 @@ def root_diameter(scene: Scene) -> float:
     return 2.0 * (track.pitch_radius + slack * cos(track.contact_angle) - deep)
 
 
-def free_lengths_with_supports(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
+def lateral_bearings(scene: Scene | Assembly) -> list[tuple[float, bool]]:
+    """Return the axial position [m] of each bearing that holds a shaft laterally, and whether it holds its tilt too.
+
+    A support holds what it fixes: both lateral displacements, and the tilt if it fixes both tilting rotations. So do the
+    bearing rows of an assembly whose outer rings are fixed, or stand in housings that supports or springs hold laterally.
+    Rows closer to each other than their pitch diameter are one bearing, in the middle between them. Two or more rows hold
+    the tilt, a single row does not.
+
+    Returns
+    -------
+    list[tuple[float, bool]]
+        Position and whether the tilt is held, from left to right.
+    """
+    found = [(s.at, _support_fixes(s, "rx", "ry")) for s in scene.supports if _support_fixes(s, "ux", "uy")]
+    if isinstance(scene, Assembly):
+        found += [(_middle(rows), len(rows) > 1) for rows in _bearings_of_rows(scene)]
+    return sorted(found)
+
+
+def _bearings_of_rows(assembly: Assembly) -> list[list[RollingSet]]:
+    """Return the bearing rows that hold a shaft laterally, those of one bearing together, from left to right."""
+    bearings: list[list[RollingSet]] = []
+    for row in sorted((s for s in assembly.sets if _holds_laterally(s, assembly)), key=lambda s: s.position):
+        if bearings and row.position - bearings[-1][-1].position < _pitch_diameter(row):
+            bearings[-1].append(row)
+        else:
+            bearings.append([row])
+    return bearings
+
+
+def _middle(rows: Sequence[RollingSet]) -> float:
+    """Return the axial position in the middle of the rows of a bearing [m]."""
+    return 0.5 * (rows[0].position + rows[-1].position)
+
+
+def _holds_laterally(row: RollingSet, assembly: Assembly) -> bool:
+    """Return whether a set is a bearing on the shaft whose outer ring the frame holds laterally, rigidly or by springs."""
+    if row.kind == "ball nut" or row.carrier is not None:
+        return False
+    if row.housing is None:
+        return True
+    housing = next(h for h in assembly.housings if h.name == row.housing)
+    joined = [j.stiffness for j in assembly.joints if housing.name in (j.first, j.second)]
+    springs = [K for K in (housing.stiffness, *joined) if K is not None]
+    fixed = {name for name, _ in housing.fixed}
+    return all(name in fixed or any(K[k][k] > 0.0 for K in springs) for k, name in enumerate(("ux", "uy")))
+
+
+def _pitch_diameter(row: RollingSet) -> float:
+    """Return the pitch diameter of a row of balls or rollers [m]."""
+    if isinstance(row.parts, Scene):
+        return 2.0 * row.parts.track.pitch_radius
+    return tapered_bearing_of_row(row.parts).pitch_diameter
+
+
+def free_lengths_with_supports(scene: Scene | Assembly) -> list[tuple[float, tuple[str, str]]]:
     """Return the free lengths of a screw shaft, each with the supports of its ends: "fixed", "supported" or "free".
 
-    A bearing that fixes both lateral displacements supports the shaft. The first or last bearing is a fixed end if it also
-    fixes both tilting rotations.
+    The first or last bearing (`lateral_bearings`) is a fixed end if it holds the shaft's tilt.
 
     Returns
     -------
@@ -135,13 +193,14 @@ def free_lengths_with_supports(scene: Scene) -> list[tuple[float, tuple[str, str
         For each free length its value [m], between neighbouring bearings or from a single bearing to the farther end of the
         shaft, and the supports of its two ends, the stiffer one first.
     """
-    bearings = sorted((s for s in scene.supports if _support_fixes(s, "ux", "uy")), key=lambda s: s.at)
-    held = ["fixed" if _support_fixes(s, "rx", "ry") else "supported" for s in bearings]
+    bearings = lateral_bearings(scene)
+    held = ["fixed" if tilt else "supported" for _, tilt in bearings]
     if len(bearings) == 1:
-        return [(max(bearings[0].at, scene.screw.length - bearings[0].at), (held[0], "free"))]
+        ((at, _),) = bearings
+        return [(max(at, scene.screw.length - at), (held[0], "free"))]
     kinds = [held[i] if i in (0, len(held) - 1) else "supported" for i in range(len(held))]
     pairs = zip(bearings, bearings[1:], kinds, kinds[1:], strict=False)
-    return [(b.at - a.at, (x, y) if x == "fixed" else (y, x)) for a, b, x, y in pairs]
+    return [(b - a, (x, y) if x == "fixed" else (y, x)) for (a, _), (b, _), x, y in pairs]
 
 
 def _support_fixes(support: Support, *names: str) -> bool:
@@ -187,31 +246,38 @@ def buckling_load_and_critical_speed(
     return c * pi**2 * stiff / length**2, factor**2 / length**2 * sqrt(stiff / (DENSITY * area))
 
 
-def shaft_compression(scene: Scene, result: StaticResult) -> float:
-    """Return the largest axial compression of a screw shaft [N] by its loads, the reactions of its supports and the nut.
+def shaft_compression(scene: Scene | Assembly, result: StaticSolution) -> float:
+    """Return the largest axial compression of a screw shaft [N] by its loads, the reactions of its supports and its sets.
 
-    The nut's force acts at the middle of the nut. The compression is zero if the shaft is only in tension.
+    The force of each nut and bearing acts at its middle, that of rows which are one bearing (`lateral_bearings`) in the
+    middle between them, so that their preload does not count. The compression is zero if the shaft is only in tension.
 
     ``result``: static result of the scene, with the reactions and contact loads.
     """
-    balance = result.equilibrium
     forces = [(x.at, x.force[2]) for x in scene.loads]
     forces += [(s.at, float(r[2])) for s, r in zip(scene.supports, result.reactions, strict=False)]
-    if balance is not None:
-        forces.append((scene.nut.position, float(balance.contact_force[2])))
-    pushed = np.cumsum([f for _, f in sorted(forces)])
+    if isinstance(scene, Assembly) and isinstance(result, AxisResult):
+        middle = {row.name: _middle(rows) for rows in _bearings_of_rows(scene) for row in rows}
+        on_shaft = [s for s in result.sets if s.of.carrier is None]
+        forces += [(middle.get(s.of.name, s.of.position), float(s.force[2])) for s in on_shaft]
+    elif isinstance(scene, Scene) and result.equilibrium is not None:
+        forces.append((scene.nut.position, float(result.equilibrium.contact_force[2])))
+    at = sorted({z for z, _ in forces})
+    pushed = np.cumsum([sum(f for z, f in forces if z == x) for x in at])
     return max(float(pushed[:-1].max(initial=0.0)), 0.0)
 
 
-def shaft_limits(scene: Scene, result: StaticResult) -> ShaftLimits | None:
+def shaft_limits(scene: Scene | Assembly, result: StaticSolution, nut: Scene | None = None) -> ShaftLimits | None:
     """Return the permissible compression and speed of a screw shaft, and its compression in a solved scene.
 
     Parameters
     ----------
     scene
-        Screw with supports.
+        Screw with supports, or shaft with several nuts and bearings.
     result
         Static result of the scene.
+    nut
+        Nut on the shaft whose thread and DN value count; None: the only nut of the scene.
 
     Returns
     -------
@@ -219,10 +285,13 @@ def shaft_limits(scene: Scene, result: StaticResult) -> ShaftLimits | None:
         Limits of the weakest free length. None for bearings, for a shaft that no bearing fixes laterally, and for a shaft
         that tilts freely about its only bearing.
     """
+    if nut is None:
+        assert isinstance(scene, Scene), "several nuts: say which"
+        nut = scene
     spans = [(x, ends) for x, ends in free_lengths_with_supports(scene) if ends in FACTORS and x > 0.0]
-    if scene.track.lead == 0.0 or not spans:
+    if nut.track.lead == 0.0 or not spans:
         return None
-    root, across = root_diameter(scene), 2.0 * scene.track.pitch_radius
+    root, across = root_diameter(nut), 2.0 * nut.track.pitch_radius
     shaft = root, scene.screw.bore, scene.screw.material.youngs_modulus
     found = [buckling_load_and_critical_speed(x, ends, *shaft) for x, ends in spans]
     weakest = min(range(len(spans)), key=lambda k: found[k][0])
@@ -230,7 +299,7 @@ def shaft_limits(scene: Scene, result: StaticResult) -> ShaftLimits | None:
     length, ends = spans[weakest]
     speed = None if scene.motion is None else abs(scene.motion.speed)
     dn = None if speed is None else across * speed
-    dn_limit = scene.operation.dn_limit * 1e-3 * pi / 30.0
+    dn_limit = nut.operation.dn_limit * 1e-3 * pi / 30.0
     limits = SHARE_OF_LOAD * load, min(SHARE_OF_SPEED * critical, dn_limit / across)
     compression = shaft_compression(scene, result)
     return ShaftLimits(", ".join(ends), length, root, load, compression, critical, speed, dn, dn_limit, *limits)

@@ -175,7 +175,7 @@ def loaded():
     return {
         "result": result,
         "preload": loading.preload_from_unloaded(scene, bare),
-        "lift off": loading.find_lift_off_load(scene, result, bare, "lin", OPTIONS),
+        "lift off": loading.find_lift_off_loads(loading.SolutionsByLoad(scene, result, "lin", OPTIONS))[0],
     }
 
 

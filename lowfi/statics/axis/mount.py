@@ -91,9 +91,8 @@ def _find_axial_preload_shifts(task: _PreloadTask) -> tuple[tuple[float, ...] | 
     First the outer rings and nuts are free to slide along the axis and are pushed by their preload forces. As the energy is
     convex also in their positions, they come to rest where the preloads are reached, or the solution proves that there is
     no equilibrium. In this solution a ring or nut on a moving housing is joined to it by stiff springs instead of rigidly;
-    Newton's method on the logarithms of the forces corrects the shifts for that. If all rings and nuts can be shifted
-    together without change of the forces, the mean shift is set to zero. The result is cached, since all load cases of an
-    assembly share it.
+    Newton's method on the logarithms of the forces corrects the shifts for that. The result is cached, since all load cases
+    of an assembly share it.
 
     Returns
     -------
@@ -114,16 +113,11 @@ def _find_axial_preload_shifts(task: _PreloadTask) -> tuple[tuple[float, ...] | 
         forces = np.array([abs(result.sets[i].force[2]) for i in numbers]) if result.converged else np.zeros(len(numbers))
         return np.asarray(np.log(np.where(forces > 0.0, forces, np.nan)) - goal)
 
-    pushed, status = _shifts_of_sliding_parts(bare, numbers, solve)
-    if pushed is None:
+    shift, status = _shifts_of_sliding_parts(bare, numbers, solve)
+    if shift is None:
         why = f"preloads by force are not met at mounting: {status.reason}"
         return None, (), Status(status.kind, why, "mounting")
-    ways = np.array([-1.0 if bare.sets[i].thrust == "+z" else 1.0 for i in numbers])
-    shift = pushed - ways * float((ways * pushed).mean())
-    value = log_force_ratios(shift) if len(numbers) > 1 else np.array([np.nan])
-    if not float(np.abs(value).max()) < DIFFERENCE:  # the shaft's axial position is fixed
-        shift = pushed
-        value = log_force_ratios(shift)
+    value = log_force_ratios(shift)
     steps, slope = np.diag([DIFFERENCE * preload_shift_of_rigid_parts(bare.sets[i]) for i in numbers]), np.zeros((0, 0))
     for _ in range(STEPS):
         worst = float(np.abs(value).max())

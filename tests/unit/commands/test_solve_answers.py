@@ -14,7 +14,15 @@ from tests.processes import COMMAND, ran
 
 from rollbench.compare.commands.solve import SolveOptions, dmig_text, exit_code_of_solutions, matrix_market_text
 from rollbench.compare.models.answers import tangent_stiffness_at
-from rollbench.compare.models.loading import find_lift_off_load, preload_from_unloaded, solve_with_scaled_loads
+from rollbench.compare.models.loading import (
+    LiftOff,
+    SolutionsByLoad,
+    axial_load,
+    find_lift_off_loads,
+    preload_from_unloaded,
+    solve_with_scaled_loads,
+    with_scaled_loads,
+)
 from rollbench.compare.models.registry import MODELS, ModelOptions, run_model
 from rollbench.compare.reference.estimate import reference_of_scene
 from rollbench.compare.reference.store import shipped_store
@@ -26,9 +34,15 @@ from rollbench.compare.studies.friction.answer import FrictionAnswer
 from rollbench.lowfi.rating.rigidity import approach_per_displacement
 from rollbench.lowfi.statics import equations, equilibrium
 from rollbench.lowfi.warned import INPUT, REMARK, VALIDITY, Kind, ResultWarning
-from rollbench.meshes.parts import SIDES, BallErrors, Errors
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import SIDES, BallErrors, Errors, Scene
 
 QUIET = ModelOptions(estimate_beam_mesh_error=False)
+
+
+def lift_off_loads(scene: Scene | Assembly) -> tuple[LiftOff | None, ...]:
+    """Loads that open a contact of each nut or bearing, by lin."""
+    return find_lift_off_loads(SolutionsByLoad(scene, run_model(scene, "lin", QUIET), "lin", QUIET))
 
 
 def test_preload_is_what_the_flanks_press_without_load() -> None:
@@ -46,8 +60,7 @@ def test_the_first_contact_is_lost_where_lift_off_says(oversize: float | None, l
     scene = catalogue.scene("lin-case3")
     if oversize:
         scene = replace(scene, errors=Errors(balls=BallErrors(oversize=oversize)))
-    result, bare = run_model(scene, "lin", QUIET), solve_with_scaled_loads(scene, 0.0, "lin", QUIET)
-    found = find_lift_off_load(scene, result, bare, "lin", QUIET)
+    (found,) = lift_off_loads(scene)
     before, after = (solve_with_scaled_loads(scene, f * found.factor, "lin", QUIET).load for f in (0.98, 1.02))
     assert low < found.factor < high
     assert before.min() > 0.0
@@ -57,8 +70,25 @@ def test_the_first_contact_is_lost_where_lift_off_says(oversize: float | None, l
 
 def test_without_preload_no_contact_is_lost() -> None:
     scene = catalogue.scene("lin-case1")
-    bare = solve_with_scaled_loads(scene, 0.0, "lin", QUIET)
-    assert find_lift_off_load(scene, run_model(scene, "lin", QUIET), bare, "lin", QUIET) is None
+    assert lift_off_loads(scene) == (None,)
+
+
+@pytest.mark.parametrize(("name", "opening"), [("double-nut", 1), ("axis-fixed-fixed", 3)])
+def test_the_first_contact_of_every_set_is_lost_where_lift_off_says(name: str, opening: int) -> None:
+    """The sets whose contacts open are the nut with play inside, and the rows that the load relieves."""
+    scene = catalogue.scene_of_any_kind(name)
+    found = [(k, x) for k, x in enumerate(lift_off_loads(scene)) if x is not None and x.factor is not None]
+    assert len(found) == opening
+    idle = run_model(with_scaled_loads(scene, 0.0), "lin", QUIET).sets
+    for k, x in found:
+        preloaded = idle[k].loads > 0.0
+        before, after = (
+            run_model(with_scaled_loads(scene, f * x.factor), "lin", QUIET).sets[k].loads for f in (0.98, 1.02)
+        )
+        assert before[preloaded].min() > 0.0
+        assert after[x.ball - 1, SIDES.index(x.side)] == 0.0
+        assert preloaded[x.ball - 1, SIDES.index(x.side)]
+        assert (x.set, x.axial) == (scene.sets[k].name, pytest.approx(axial_load(scene) * x.factor))
 
 
 def test_matrix_files_hold_the_matrix() -> None:

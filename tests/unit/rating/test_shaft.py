@@ -9,11 +9,12 @@ from math import atan, cos, cosh, pi, sin, sinh, sqrt, tan
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from tests.axes import one_set
 from tests.shipped_texts import changed
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.registry import ModelOptions, run_model
-from rollbench.compare.scenes import scene_tables
+from rollbench.compare.scenes import catalogue, scene_tables
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.rating import catalogue_checks, iso_lives
 from rollbench.lowfi.rating.catalogue_checks import buckling_load_and_critical_speed
@@ -226,3 +227,34 @@ def test_the_line_above_the_answers_says_what_the_coefficient_would_mean(tmp_pat
     head = " ".join(command.said("solve", tmp_path / "my.toml", "--model", "lin").split("quantity ")[0].split())
     assert ("overall coefficients" in head, "94.9 %" in head) == (given == "0.01", given == "0.01")
     assert "outside what the models mean" not in head
+
+
+def test_bearing_pairs_clamp_the_shaft_of_an_axis():
+    """Pairs at 35 and 865 mm. Half of the load presses the part on the right; the preload within a pair does not count."""
+    axis = catalogue.scene_of_any_kind("axis-fixed-fixed")
+    nut = axis.sets[0].parts
+    ((length, ends),) = catalogue_checks.free_lengths_with_supports(axis)
+    assert (length, ends) == (pytest.approx(0.83), ("fixed", "fixed"))
+    result = run_model(axis, "lin")
+    force = {s.of.name: s.force[2] for s in result.sets}
+    right = -force["right, inner row"] - force["right, outer row"]
+    assert 1400.0 < right < 1600.0
+    limits = catalogue_checks.shaft_limits(axis, result, nut)
+    assert limits.compression == pytest.approx(right, rel=1e-9)
+    load, _ = buckling_load_and_critical_speed(length, ends, catalogue_checks.root_diameter(nut), 0.0, 210e9)
+    assert limits.buckling == pytest.approx(load, rel=0.02)  # the screw's own modulus
+    single = replace(axis, sets=tuple(s for s in axis.sets if "outer" not in s.name))
+    ((span, kinds),) = catalogue_checks.free_lengths_with_supports(single)
+    assert (span, kinds) == (pytest.approx(0.815), ("supported", "supported"))
+    loose = replace(axis, sets=axis.sets[:3])
+    ((reach, kinds),) = catalogue_checks.free_lengths_with_supports(loose)
+    assert (reach, kinds) == (pytest.approx(axis.screw.length - 0.035), ("fixed", "free"))
+
+
+def test_one_set_on_a_shaft_has_the_limits_of_the_scene():
+    s = scene("unseen-16x5")
+    s = replace(s, loads=(replace(s.loads[0], at=0.0, force=(0.0, 0.0, 1500.0)),), motion=Motion(60.0))
+    axis = replace(one_set(s), motion=s.motion)
+    one = catalogue_checks.shaft_limits(axis, run_model(axis, "lin"), s)
+    assert one == replace(catalogue_checks.shaft_limits(s, run_model(s, "lin", OPTIONS)), compression=one.compression)
+    assert one.compression == pytest.approx(1500.0, rel=1e-9)
