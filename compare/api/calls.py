@@ -198,7 +198,7 @@ def solve_scene_record(
         If the model does not cover the scene.
     """
     from rollbench.compare.models.registry import default_model_name
-    from rollbench.compare.results.solved import combine_load_cases, solve_with_results
+    from rollbench.compare.results.solving import combine_load_cases, solve_with_results
 
     results = []
     for scene in scenes_to_solve(described, name_for_messages or described.name):

@@ -28,7 +28,8 @@ from rollbench.compare.reference.store import path_of_run, shipped_store
 from rollbench.compare.report import parts
 from rollbench.compare.report.axis_page import result_page_of_shaft
 from rollbench.compare.results.rows import expected_error_sentence
-from rollbench.compare.results.solved import Result, combine_load_cases, solve_with_results
+from rollbench.compare.results.solved import Result
+from rollbench.compare.results.solving import combine_load_cases, solve_with_results
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel

@@ -23,7 +23,8 @@ from tests.golden.means import answered, numbers_by_name
 from rollbench.compare.errors import InputError, SceneNotCoveredError
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.models.set_results import SetResult
-from rollbench.compare.results.solved import Result, solve_with_results
+from rollbench.compare.results.solved import Result
+from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import KINDS
 from rollbench.compare.studies import survey

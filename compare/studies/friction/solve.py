@@ -19,7 +19,7 @@ from rollbench.compare.models.load_cases import motor_torques_and_inertias
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.models.set_results import SetResult as ResultOfSet
 from rollbench.compare.quantities import format_range, json_number
-from rollbench.compare.results.solved import solve_shaft
+from rollbench.compare.results.solving import solve_shaft
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import kind_of_scene

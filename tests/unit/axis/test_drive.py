@@ -8,7 +8,7 @@ from tests.axes import ROLLERS, assembly, bearing, fixed_axis
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.registry import ModelOptions
-from rollbench.compare.results.solved import solve_with_results as solve
+from rollbench.compare.results.solving import solve_with_results as solve
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.friction.solve import solve_friction_of_shaft
 from rollbench.compare.studies.friction.whole import FrictionChoices

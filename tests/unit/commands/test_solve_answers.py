@@ -27,7 +27,7 @@ from rollbench.compare.models.registry import MODELS, ModelOptions, run_model
 from rollbench.compare.reference.estimate import reference_of_scene
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.results.compared import compare_models_with_reference
-from rollbench.compare.results.solved import solve_with_results
+from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.template import ball_screw_text
 from rollbench.compare.studies.friction.answer import FrictionAnswer

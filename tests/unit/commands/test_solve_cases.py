@@ -11,7 +11,7 @@ from tests.load_cases import CASES, SHIPPED, TEXT, case, written
 
 import rollbench
 from rollbench.compare.models import load_cases, registry
-from rollbench.compare.results.solved import solve_with_results
+from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.studies.sweep.keys import read_varied_keys
 from rollbench.compare.studies.sweep.run import SweepDefinition
 from rollbench.compare.studies.sweep.sample import VariedScene, solve_sample

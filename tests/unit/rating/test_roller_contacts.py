@@ -10,7 +10,7 @@ from tests.shipped_texts import changed
 
 from rollbench.compare.models.registry import ModelOptions
 from rollbench.compare.results.rows import bearing_and_nut_rows
-from rollbench.compare.results.solved import solve_with_results
+from rollbench.compare.results.solving import solve_with_results
 from rollbench.lowfi.hertz import hertz_constants
 from rollbench.lowfi.rating.contacts import roller_contact_of_highest_pressure
 from rollbench.lowfi.rollers import half_widths_and_pressures_of_slices

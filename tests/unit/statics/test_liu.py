@@ -9,7 +9,7 @@ import pytest
 from rollbench.compare.cases.liu import evidence
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.registry import MODELS, ModelOptions, run_model
-from rollbench.compare.results.solved import solve_with_results
+from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.statics.liu import nut_as_spring_row, solve_liu
 from rollbench.lowfi.statics.mei import nut_tensile_stiffness, solve_mei

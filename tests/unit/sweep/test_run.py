@@ -19,7 +19,7 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.models import many
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.reference.jobs import ComputingSettings
-from rollbench.compare.results.solved import solve_shaft, solve_with_results
+from rollbench.compare.results.solving import solve_shaft, solve_with_results
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.sweep import run as sweeping
 from rollbench.compare.studies.sweep import sample

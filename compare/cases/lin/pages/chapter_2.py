@@ -19,7 +19,7 @@ from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.registry import DEFAULT, ModelOptions
 from rollbench.compare.models.study import SceneResultCache, with_conformity
 from rollbench.compare.printed import printed_entry, printed_value
-from rollbench.compare.results.solved import solve_with_results
+from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel, lateral_displacement_curves
 from rollbench.compare.studies.members.ensemble import RandomDrawsResult, cached_random_draws_of_scene
 from rollbench.lowfi.as_source.newton import solve_lin_equations_with_fallback
