@@ -22,7 +22,6 @@ from rollbench.lowfi.bearings import torque as bearings_torque
 from rollbench.lowfi.bearings.tapered_roller import rib_contact
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.rating import contacts, iso_lives, life, roller_life
-from rollbench.lowfi.rating.catalogue_checks import shaft_limits
 from rollbench.lowfi.rating.contacts import WorstContact
 from rollbench.lowfi.rating.displacement import motion_at
 from rollbench.lowfi.rating.iso_lives import modified_life
@@ -311,7 +310,6 @@ def results_of_single(
         lift_off=lift_off,
         friction=friction,
         friction_words=words,
-        shaft=shaft_limits(scene, result),
         bearing_torque=bearing_friction_torque(scene, scene, "deep groove", result, on_ring, found.worst),
     )
 
@@ -512,26 +510,26 @@ def load_paths_by_body(
 
 def results_of_set(
     assembly: Assembly,
-    result: AxisResult,
     s: SetOnShaft,
     unloaded: SetOnShaft | None,
     stiffness: NutStiffness,
     lift_off: loading.LiftOff | None,
+    member: int,
 ) -> SetResult:
-    """Compute pressure, safety, life, preload, friction torque and limits of the shaft of one nut or bearing on a shaft.
+    """Compute pressure, safety, life, preload and friction torque of one nut or bearing row on a shaft.
 
     Parameters
     ----------
     assembly
         Shaft with several nuts or bearing rows.
-    result
-        Its solution.
     s, unloaded
         Solution of the row under the scene's loads, and without these loads; None if the unloaded shaft has no equilibrium.
     stiffness
         Displacement and stiffness of the row.
     lift_off
         Load at which its first preloaded contact opens.
+    member
+        Number of the random draw of the geometric errors, from 0.
 
     Returns
     -------
@@ -548,9 +546,9 @@ def results_of_set(
         assert s.balls is not None, "a set of balls has contacts"
         speed = None if assembly.motion is None else assembly.motion.speed
         loaded, load, angle = parts_under_loads(assembly, parts), s.balls.load, s.balls.contact_angle
-        found = results_of_contact_loads(loaded, load, angle, result.member, None, turning, speed, s.of.name)
+        found = results_of_contact_loads(loaded, load, angle, member, None, turning, speed, s.of.name)
         torque = bearing_friction_torque(assembly, parts, s.of.thrust, s.balls, s.force, found.worst)
-        found = replace(found, parts=parts, bearing_torque=torque, shaft=shaft_limits(assembly, result, parts))
+        found = replace(found, parts=parts, bearing_torque=torque)
     if unloaded is not None:
         loads = unloaded.loads[unloaded.loads > 0.0]
         mean = mean_load(loads) if loads.size else 0.0

@@ -33,7 +33,6 @@ from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 if TYPE_CHECKING:
-    from rollbench.lowfi.rating.catalogue_checks import ShaftLimits
     from rollbench.lowfi.rating.rigidity import AxialRigidities
     from rollbench.lowfi.statics.result import SetResult as SetOnShaft
     from rollbench.lowfi.statics.result import StaticResult
@@ -360,8 +359,6 @@ class SetResult(Balls):
         "rating_refused", "why no life and no load ratings can be computed", show=lambda words: words or None, default=""
     )
     """Why no life and no load ratings can be computed; empty if they can."""
-    shaft: ShaftLimits | None = quantity_field("shaft", default=None)
-    """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of the screw; None for bearings."""
 
     @property
     def ball_sets(self) -> list[tuple[Scene, StaticResult]]:

@@ -176,6 +176,9 @@ class Result(TabularRecord, Balls):
     tangent: TangentStiffness | None = None
     """Tangent stiffness of the screw's cross-section at the nut's centre, or at ``stiffness_at``, with the nut fixed; None
     with several nuts or bearings on one shaft, and if it is not computed."""
+    shaft: ShaftLimits | None = quantity_field("shaft", default=None)
+    """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of the screw, of several nuts that of the one with
+    the lowest allowed speed; None without a nut, and if no bearing holds the shaft laterally."""
     load_path: LoadPath | None = quantity_field("load_path", default=None)
     """How the supports and the contacts share the loads of the scene; None without loads."""
     drive: AxisDrive | None = quantity_field("drive", default=None)
@@ -320,16 +323,6 @@ class Result(TabularRecord, Balls):
     def reference_life(self) -> ReferenceLife | None:
         """Life of a single bearing by ISO/TS 16281 [10^6 revolutions]; None for screws, and if no contact is loaded."""
         return None if self.only is None else self.only.reference_life
-
-    @property
-    @QuantityDescription("shaft")
-    def shaft(self) -> ShaftLimits | None:
-        """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of the screw; None for bearings.
-
-        With several nuts, that of the nut with the lowest allowed speed.
-        """
-        limits = [s.shaft for s in self.sets.values() if s.shaft is not None]
-        return min(limits, key=lambda x: x.allowed_speed, default=None)
 
     @property
     @QuantityDescription("contact_lost")

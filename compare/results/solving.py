@@ -20,7 +20,7 @@ from rollbench.compare.models.set_results import SetResult
 from rollbench.compare.models.stiffness import place_of_displacement, stiffness_of_scene
 from rollbench.compare.results.solved import AxialResults, CycleResult, Result
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.lowfi.rating.catalogue_checks import warn_of_overall_friction_coefficient
+from rollbench.lowfi.rating.catalogue_checks import shaft_limits, warn_of_overall_friction_coefficient
 from rollbench.lowfi.rating.displacement import motion_at
 from rollbench.lowfi.rating.rigidity import axial_force
 from rollbench.meshes.axis import Assembly
@@ -88,7 +88,8 @@ def _solve_single(scene: Scene, model: str, options: ModelOptions) -> Result:
     if scene.friction is not None:
         warned += warn_of_overall_friction_coefficient(scene.track, scene.friction)
     warned += [*loading.load_path_warnings(path), *answers.axial_play_warnings(scene)]
-    warned += [] if one.shaft is None else one.shaft.warnings
+    shaft = shaft_limits(scene, result)
+    warned += [] if shaft is None else shaft.warnings
     return Result(
         described=scene,
         solution=replace(result, warnings=(*result.warnings, *warned)),
@@ -97,6 +98,7 @@ def _solve_single(scene: Scene, model: str, options: ModelOptions) -> Result:
         load_point=stiffness.load_point,
         tangent_words=stiffness.words,
         displacement=None if np.isnan(moved).all() else moved,
+        shaft=shaft,
         load_path=path,
         expected_error=estimate_model_error(scene, result),
     )
@@ -141,7 +143,7 @@ def solve_shaft(assembly: Assembly, model: str, member: int = 0) -> Result:
     unloaded = bare.sets if bare.converged else [None] * len(result.sets)
     lift_off = loading.find_lift_off_loads(solutions)
     each = zip(result.sets, unloaded, stiffness.sets, lift_off, strict=True)
-    sets = {one[0].of.name: answers.results_of_set(assembly, result, *one) for one in each}
+    sets = {one[0].of.name: answers.results_of_set(assembly, *one, result.member) for one in each}
     path = loading.load_path_of_assembly(assembly, result, bare)
     warned = [
         w.with_part_name(s.name)
@@ -150,8 +152,9 @@ def solve_shaft(assembly: Assembly, model: str, member: int = 0) -> Result:
     ]
     warned += [w for x in answers.load_paths_by_body(assembly, result, path) for w in loading.load_path_warnings(x)]
     warned += loading.lost_preload_warnings(solutions)
-    limits = [s.shaft for s in sets.values() if s.shaft is not None]
-    warned += dict.fromkeys(w for x in limits for w in x.warnings)
+    each_nut = (shaft_limits(assembly, result, s.parts) for s in sets.values() if isinstance(s.parts, Scene))
+    shaft = min((x for x in each_nut if x is not None), key=lambda x: x.allowed_speed, default=None)
+    warned += [] if shaft is None else shaft.warnings
     warned += answers.axial_play_warnings(assembly)
     return Result(
         described=assembly,
@@ -161,6 +164,7 @@ def solve_shaft(assembly: Assembly, model: str, member: int = 0) -> Result:
         load_point=stiffness.load_point,
         tangent_words=stiffness.words,
         displacement=moved,
+        shaft=shaft,
         load_path=path,
         expected_error=estimate_double_nut_error(assembly, result),
     )
