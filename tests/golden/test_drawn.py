@@ -154,6 +154,7 @@ def answers(found: Result) -> Any:
         return found.solution
     names = [f.name for f in fields(SetResult) if f.name not in ("parts", "balls", "on_shaft", "nominal_contacts")]
     each = [{name: getattr(s, name) for name in (*names, "life_by_loads")} for s in found.sets.values()]
+    each[0]["shaft"] = found.shaft
     whole = {name: getattr(found, name) for name in ("axial", "nut", "load_point", "displacement", "load_path")}
     return found.solution, each, {"whole": whole}
 
