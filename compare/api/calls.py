@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping, Sequence
+from functools import partial
 from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -197,14 +198,18 @@ def solve_scene_record(
     rollbench.InputError
         If the model does not cover the scene.
     """
+    from rollbench.compare.models.many import solve_many
     from rollbench.compare.models.registry import default_model_name
     from rollbench.compare.results.solving import combine_load_cases, solve_with_results
 
-    results = []
-    for scene in scenes_to_solve(described, name_for_messages or described.name):
+    def solve_case(scene: Scene | Assembly) -> Result:
+        """Solve one load case."""
         with show_file_in_scene_errors(scene.name, name_for_messages or scene.name):
             chosen = model or default_model_name(scene)
-            results.append(solve_with_results(scene, chosen, options, stiffness_at, stiffness=stiffness))
+            return solve_with_results(scene, chosen, options, stiffness_at, stiffness=stiffness)
+
+    cases = enumerate(scenes_to_solve(described, name_for_messages or described.name))
+    results = [result for _, result in solve_many(solve_case, {k: (scene,) for k, scene in cases})]
     return combine_load_cases(described, results) if isinstance(described, DutyCycle) else results[0]
 
 
@@ -358,14 +363,17 @@ def side_by_side_of_scene_records(
     rollbench.InputError
         If there are fewer than two scenes, or the model does not cover one.
     """
+    from rollbench.compare.models.many import solve_many
     from rollbench.compare.models.registry import ModelOptions
     from rollbench.compare.results.side_by_side import compare_results_side_by_side
 
     if len(described) < 2:
         raise ArgumentError("scenes", f"{len(described)} scene(s)", "at least two scenes", "use `solve` for one scene")
     options, names = ModelOptions(member=member), [x.name for x in described]
-    pairs = zip(described, names_for_messages, strict=True)
-    found = [solve_scene_record(x, model, options, stiffness_at, origin, stiffness=True) for x, origin in pairs]
+    solve = partial(solve_scene_record, stiffness=True)
+    pairs = enumerate(zip(described, names_for_messages, strict=True))
+    rows = {k: (x, model, options, stiffness_at, origin) for k, (x, origin) in pairs}
+    found = [result for _, result in solve_many(solve, rows)]
     return compare_results_side_by_side(found, names if len(set(names)) == len(names) else names_for_messages)
 
 

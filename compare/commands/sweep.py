@@ -92,23 +92,23 @@ def sweep_terminal_parts(found: Sweep) -> list[Any]:
     These are counts, statistics of all outputs, effects and Sobol indices of the largest load, and the samples with the
     largest loads.
     """
-    from rollbench.compare.studies.sweep.sample import MAIN, OUTPUTS
+    from rollbench.compare.studies.columns import COLUMNS, MAIN
 
     parts: list[Any] = [f"{found.solved} samples, {found.converged} converged"]
     parts += [f"failed: {count} samples: {reason}" for reason, count in found.failures[:5]]
     names = ("mean", "standard_error", "standard_deviation", "smallest", "quantile_0.05", "quantile_0.95", "largest")
     stats = {name: {} if x is None else x.as_json() for name, x in found.outputs.items()}
-    rows = ([OUTPUTS[name], *(format_cell(x.get(n), ".5g") for n in names)] for name, x in stats.items())
+    rows = ([COLUMNS[name].heading, *(format_cell(x.get(n), ".5g") for n in names)] for name, x in stats.items())
     parts.append(ruled_table("computed quantities", ["", *(n.replace("_", " ") for n in names)], rows))
     parts.append(_parameter_effects_table(found))
     worst = ([str(row["sample"]), f"{row[MAIN]:.5g}", row["at"], *map(str, row["values"])] for row in found.worst)
-    headings = ["sample", OUTPUTS[MAIN], "at contact", *(v.short_name for v in found.design.keys)]
+    headings = ["sample", COLUMNS[MAIN].heading, "at contact", *(v.short_name for v in found.design.keys)]
     return [*parts, ruled_table("samples with the largest loads", headings, worst)]
 
 
 def _parameter_effects_table(found: Sweep) -> Any:
     """Return the table of the effect of each parameter on the largest load, with first-order and total Sobol indices."""
-    from rollbench.compare.studies.sweep.sample import MAIN
+    from rollbench.compare.studies.columns import MAIN
 
     indices = found.indices.get("outputs", {}).get(MAIN)
     why = found.indices.get("none", "no Sobol indices: the largest load does not change")

@@ -22,14 +22,16 @@ from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic, perf_counter
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 from uuid import uuid4
 
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.files import replace_file
-from rollbench.compare.reference import parallel
-from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.meshes.files import machine_code
+
+if TYPE_CHECKING:
+    from rollbench.compare.reference import parallel
+    from rollbench.compare.reference.jobs import ComputingSettings
 
 #: Function that shows a line of progress.
 Step = Callable[[str], None]
@@ -90,10 +92,11 @@ def solve_many(
     InputError
         If workers are lost.
     """
-    engine, numbers = engine or ComputingSettings(), list(rows)
+    numbers = list(rows)
     batches = [numbers[k : k + size] for k in range(0, len(numbers), size)]
-    jobs: list[parallel.Job] = [(_solve_batch, (solve, [rows[n] for n in of], finish, store)) for of in batches]
-    for batch, (results, stored) in _run_jobs(jobs, engine, show_progress, noun):
+    jobs = [(_solve_batch, (solve, [rows[n] for n in of], finish, store)) for of in batches]
+    solved: Iterator[tuple[int, Any]] = ((k, job(*of)) for k, (job, of) in enumerate(jobs))
+    for batch, (results, stored) in solved if engine is None else _run_jobs(jobs, engine, show_progress, noun):
         if store is not None and not stored:
             store.append(results)
         yield from zip(batches[batch], results, strict=True)
@@ -139,6 +142,8 @@ def _run_jobs(
     With several workers, the first two jobs run in this process. The time of the second job, for which all modules are
     loaded, shows whether the remaining jobs would take longer than starting other processes; if not, they run here, too.
     """
+    from rollbench.compare.reference import parallel  # not needed for rows that are solved in this process
+
     workers, here = engine.parallel_jobs, 0
     if noun and (workers or 1) > 1 and engine.backend == "joblib":
         start, here = perf_counter(), min(2, len(jobs))

@@ -11,6 +11,7 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.loading import with_scaled_loads
+from rollbench.compare.models.many import solve_many
 from rollbench.compare.models.registry import ModelOptions, default_model_name, run_model
 from rollbench.compare.models.stiffness import displacement_of_nut_alone, place_of_displacement, tangent_of_nuts
 from rollbench.compare.quantities import record_as_json
@@ -320,25 +321,25 @@ def compute_load_curve(
         nut = tangent_of_nuts(low.scene, low.result, high.result)
         return 2.0 * step * unit / moved if moved and math.isfinite(moved) else None, nut
 
-    points = []
-    torques = iter(_friction_torques([solution_at_load(value) for value in course.values], options.member))
-    for value in course.values:
+    def point_at_load(value: float, torque: float | None) -> CurvePoint:
+        """Return the curve's point at a force [N] or load factor; ``torque``: friction torque [N m]."""
         s, free = solution_at_load(value), value == 0.0 and bool(lash)
-        status = "displacement not unique: anywhere within the backlash" if free else s.result.status
         tangent, nut_tangent = tangents_at_load(value)
-        points.append(
-            CurvePoint(
-                load=value * unit,
-                factor=value if course.factors else None,
-                displacement=None if free or math.isnan(s.displacement) else s.displacement - start,
-                stiffness=tangent,
-                nut_displacement=None if free or math.isnan(s.nut_displacement) else s.nut_displacement - nut_start,
-                nut_stiffness=nut_tangent,
-                largest=None if math.isnan(s.largest_load) else s.largest_load,
-                torque=next(torques),
-                status=status,
-            )
+        return CurvePoint(
+            load=value * unit,
+            factor=value if course.factors else None,
+            displacement=None if free or math.isnan(s.displacement) else s.displacement - start,
+            stiffness=tangent,
+            nut_displacement=None if free or math.isnan(s.nut_displacement) else s.nut_displacement - nut_start,
+            nut_stiffness=nut_tangent,
+            largest=None if math.isnan(s.largest_load) else s.largest_load,
+            torque=torque,
+            status="displacement not unique: anywhere within the backlash" if free else s.result.status,
         )
+
+    torques = _friction_torques([solution_at_load(value) for value in course.values], options.member)
+    rows = dict(enumerate(zip(course.values, torques, strict=True)))
+    points = [point for _, point in solve_many(point_at_load, rows)]
     known = [p for p in points if p.displacement is not None]
     of_ends = [solution_at_load(course.values[k]).result for k in (0, -1)]
     return LoadCurve(

@@ -9,9 +9,9 @@ from typing import Any
 
 from rollbench.compare import files
 from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.studies.columns import MAIN
 from rollbench.compare.studies.sweep.keys import VariedKey, read_varied_keys
 from rollbench.compare.studies.sweep.run import figures_from_sweep_summary
-from rollbench.compare.studies.sweep.sample import MAIN
 from rollbench.reports.content import Cell, Section, Table, TableColumn, Text, text_column
 
 #: Shipped summary of the tolerance sweep (``summary.json``); it states the command that computed it.

@@ -7,7 +7,7 @@ of values that the scene or the model refuses, or without equilibrium, becomes a
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -15,19 +15,18 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.answers import TANGENT_OF, results_of_contact_loads, tangent_stiffness_at
-from rollbench.compare.models.loading import with_scaled_loads
+from rollbench.compare.models.answers import TANGENT_OF, tangent_stiffness_at
 from rollbench.compare.models.many import solve_many
 from rollbench.compare.models.model_form import estimate_model_error
-from rollbench.compare.models.registry import ModelOptions, default_model_name, run_model
-from rollbench.compare.models.stiffness import SceneStiffness, stiffness_of_scene
+from rollbench.compare.models.registry import ModelOptions, default_model_name
+from rollbench.compare.models.stiffness import SceneStiffness
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.results.table import CONVERGED, QUANTITIES, Over, Table, TableRow
 from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.studies import columns
 from rollbench.compare.studies.sweep import keys as sweep_keys
 from rollbench.compare.studies.sweep import sample
 from rollbench.lowfi.compliance.parts import LADDER
-from rollbench.lowfi.rating.contacts import roller_contact_of_highest_pressure
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.lowfi.statics.tangent import TangentStiffness
 from rollbench.meshes import units
@@ -173,8 +172,8 @@ def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableRequest) ->
     ``request``: checked request.
     """
     names = {name for quantity in request.quantities for name in QUANTITIES[quantity][1]}
-    result, found = sample.solve_load_case_for_outputs(scene, request.model, names)
-    sample.compute_torques([found])
+    solved, found = columns.row_of_scene(scene, request.model, names)
+    result = solved.result
     if not result.converged:
         return TableRow(str(result.status))
     matrix, status = None, CONVERGED
@@ -196,12 +195,10 @@ def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableRequest) ->
         matrix = tangent.matrix
     pressure = None
     if "pressure" in request.quantities:
-        pressure = max(_largest_pressure_of_each_bearing(scene, result), default=None)
+        pressure = max(columns.largest_pressures(solved), default=None)
     points: SceneStiffness | None = None
     if {"stiffness", "displacement"} & set(request.quantities):
-        options = ModelOptions()
-        bare = run_model(with_scaled_loads(scene, 0.0), request.model, options)
-        points = stiffness_of_scene(scene, result, bare, request.model, options)
+        points = solved.stiffness
         if points.load_point.along != "z":  # compared along the axis only
             errors |= {"displacement_error": None, "rigidity_error": None}
     both = () if points is None else (points.nut, points.load_point)
@@ -211,22 +208,6 @@ def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableRequest) ->
     load, preload, life = (found.get(name) if name in names else None for name in kept)
     of_points = tangent_of_nut, tangent_of_load, moved_nut, moved_load
     return TableRow(status, matrix, *of_points, load, preload, pressure, life, **errors)
-
-
-def _largest_pressure_of_each_bearing(scene: Scene | Assembly, result: StaticResult | AxisResult) -> Iterator[float]:
-    """Yield the largest Hertz pressure of each loaded nut or bearing row [Pa]."""
-    if isinstance(result, StaticResult):
-        sets: list[Any] = [(scene, result, None)]
-    else:
-        sets = [(s.of.parts, s.balls, s.line_loads) for s in result.sets]
-    for parts, balls, lines in sets:
-        if balls is not None:
-            of_balls = results_of_contact_loads(parts, balls.load, balls.contact_angle, balls.member, balls.pressure)
-            worst: Any = of_balls.worst
-        else:
-            worst = roller_contact_of_highest_pressure(parts, lines)
-        if worst is not None:
-            yield worst.pressure
 
 
 def _expected_errors_for_row(scene: Scene, result: StaticResult) -> dict[str, Any]:

@@ -29,6 +29,7 @@ from rollbench.compare.results.base import JSON, TabularRecord, add_schema_versi
 from rollbench.compare.results.data import Statistics, output_statistics, statistics_as_json, statistics_rows
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables
 from rollbench.compare.scenes.scene_file import hash_of_scene_text
+from rollbench.compare.studies.columns import COLUMNS, MAIN, compute_torques
 from rollbench.compare.studies.sweep import keys as sweep_keys
 from rollbench.compare.studies.sweep import sample
 from rollbench.meshes.arrays import Array
@@ -57,16 +58,16 @@ class SweepDefinition(sample.VariedScene):
     seed: int = 0
     #: Name of the model.
     model: str = "refined"
-    #: Names of the outputs that are computed for each sample, keys of `OUTPUTS`; empty: all.
+    #: Names of the outputs that are computed for each sample, keys of `COLUMNS`; empty: all.
     outputs: tuple[str, ...] = ()
 
     @property
     def wanted_outputs(self) -> tuple[str, ...]:
-        """Names of the stored outputs, in the order of `OUTPUTS`: those in ``outputs`` and the largest contact load.
+        """Names of the stored outputs, in the order of `COLUMNS`: those in ``outputs`` and the largest contact load.
 
         All outputs are stored if ``outputs`` is empty.
         """
-        return tuple(name for name in sample.OUTPUTS if not self.outputs or name in (sample.MAIN, *self.outputs))
+        return tuple(name for name in COLUMNS if not self.outputs or name in (MAIN, *self.outputs))
 
     def coordinates(self) -> Array:
         """Return the positions of the m samples in the ranges of the d varied keys, (m, d), from 0 (low end) to 1."""
@@ -84,8 +85,8 @@ class SweepDefinition(sample.VariedScene):
     def check(self) -> None:
         """Raise InputError if model, output or varied key is unknown, or if the scene does not allow a value of a key."""
         for name in self.outputs:
-            if name not in sample.OUTPUTS:
-                raise ArgumentError("outputs", name, ", ".join(sample.OUTPUTS), "give names separated by commas")
+            if name not in COLUMNS:
+                raise ArgumentError("outputs", name, ", ".join(COLUMNS), "give names separated by commas")
         scene = scene_tables.scene_from_tables(scene_file.parse_toml(self.text, self.origin), self.origin)
         sample.check_model(scene, self.model)
         scene_file.scenes_to_solve(scene, self.origin)
@@ -118,7 +119,7 @@ def solve_missing_samples(
         solve = partial(sample.solve_numbered_sample, varied, sweep.model, sweep.wanted_outputs)
         workers = engine.parallel_jobs or (MANY if engine.scheduler_address else 1)
         size = max(1, min(LARGEST_BATCH, len(rows) // (BATCHES * workers)))
-        ways: dict[str, Any] = {"store": store, "size": size, "finish": sample.compute_torques}
+        ways: dict[str, Any] = {"store": store, "size": size, "finish": compute_torques}
         failed = 0
         for done, (_, record) in enumerate(many.solve_many(solve, rows, engine, show_progress, noun="samples", **ways), 1):
             failed += record["status"] != many.CONVERGED
@@ -259,7 +260,7 @@ def sweep_summary(sweep: SweepDefinition, records: Mapping[int, many.Record], fo
         failures=tuple((of[0], len(of)) for of in sorted(failures.values(), key=len, reverse=True)),
         outputs={name: output_statistics(output_values(good, name)) for name in sweep.wanted_outputs},
         main_effects=main_effects(sweep.keys, good),
-        worst=tuple(sorted(good, key=lambda row: -row[sample.MAIN])[:WORST]),
+        worst=tuple(sorted(good, key=lambda row: -row[MAIN])[:WORST]),
         indices=sobol_indices_by_output(sweep, records),
     )
 
@@ -272,7 +273,7 @@ def converged_records(records: Mapping[int, many.Record]) -> list[many.Record]:
 def output_values(records: Sequence[many.Record], name: str) -> Array:
     """Return the values of one output in k samples as an array (k,); nan for a sample without this output.
 
-    ``records``: records of the samples; ``name``: name of the output, a key of `OUTPUTS`.
+    ``records``: records of the samples; ``name``: name of the output, a key of `COLUMNS`.
     """
     return np.array([np.nan if row[name] is None else row[name] for row in records], dtype=float)
 
@@ -293,7 +294,7 @@ def main_effects(keys: Sequence[sweep_keys.VariedKey], rows: Sequence[many.Recor
     value of the key in its unit), "mean" and "standard_error" of the load [N], and "samples" (number of samples in the
     group). ``rows``: records of the converged samples.
     """
-    x, y = key_values_as_numbers(keys, rows), output_values(rows, sample.MAIN)
+    x, y = key_values_as_numbers(keys, rows), output_values(rows, MAIN)
     return {
         vary.key: [_mean_key_and_output_of_group(x[g, k], y[g]) for g in _sample_masks_by_key_range(vary, x[:, k])]
         for k, vary in enumerate(keys)
@@ -388,7 +389,7 @@ PANELS, POINTS = 6, 2000
 SEED = "errors.seed"
 
 #: Axis label of the largest contact load.
-LOAD = sample.OUTPUTS[sample.MAIN]
+LOAD = COLUMNS[MAIN].heading
 
 
 def sweep_figures(found: Sweep, rows: Sequence[many.Record]) -> list[Figure]:
@@ -493,7 +494,7 @@ def _sample_scatter_figure(
     ``left_out_sentence``: sentence on keys that are left out, empty if there are none.
     """
     some = list(rows[:: max(1, len(rows) // POINTS)])
-    x, y = key_values_as_numbers(keys, some), output_values(some, sample.MAIN)
+    x, y = key_values_as_numbers(keys, some), output_values(some, MAIN)
     points = [Series("samples", list(x[:, k]), list(y), "markers") for k in shown]
     panels = [Panel(keys[k].short_name, keys[k].axis_label, LOAD, (of,)) for k, of in zip(shown, points, strict=True)]
     title = "Largest contact load of each sample, plotted against the value of each varied input"
@@ -519,8 +520,7 @@ def _worst_samples_figure(
     place = (x - low) / (high - low)
     number = [float(k) for k in range(1, len(keys) + 1)]
     series = tuple(
-        Series(f"{row[sample.MAIN]:.4g} N at {row['at']}", number, list(at))
-        for row, at in zip(worst[:5], place[:5], strict=True)
+        Series(f"{row[MAIN]:.4g} N at {row['at']}", number, list(at)) for row, at in zip(worst[:5], place[:5], strict=True)
     )
     caption = f"Value of each varied input as position in its range (0: lower end, 1: upper end), in {len(series)} samples."
     ylabel, names = "position in the range of the input", [short_name(v) for v in keys]
@@ -540,7 +540,7 @@ def _sobol_indices_figure(
     ``name``: start of the figure's name; ``indices``: result of `sobol_indices_by_output`; ``short_name``: function that
     returns the short name of a key.
     """
-    main = indices.get("outputs", {}).get(sample.MAIN)
+    main = indices.get("outputs", {}).get(MAIN)
     if main is None:
         return None
     keys = sorted(keys, key=lambda vary: -main[vary.key]["total"])

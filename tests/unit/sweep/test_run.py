@@ -21,6 +21,7 @@ from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.results.solving import solve_shaft, solve_with_results
 from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.studies import columns
 from rollbench.compare.studies.sweep import run as sweeping
 from rollbench.compare.studies.sweep import sample
 from rollbench.compare.studies.sweep.run import sweep_definition
@@ -248,7 +249,7 @@ def test_outputs_that_are_not_asked_for_are_not_computed(tmp_path, monkeypatch):
     every, _ = run(tmp_path / "every", 4)
     some = sweep_definition(SCENE, VARY, 4, "lhs", 1, "lin", ["life_million_revolutions", "displacement_um"])
     with monkeypatch.context() as patch:
-        patch.setattr(sample.loading, "solve_with_scaled_loads", None)  # the unloaded solution is of rigidity and preload
+        patch.setattr(columns.loading, "solve_with_scaled_loads", None)  # the unloaded solution is of rigidity and preload
         found, _ = solved(tmp_path / "some", some)
     kept = ("largest_load_N", "displacement_um", "life_million_revolutions", "at", "sample", "status", "values")
     assert found == {n: {name: every[n][name] for name in kept} for n in range(4)}

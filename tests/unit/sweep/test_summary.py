@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from rollbench.compare.results.data import output_statistics
-from rollbench.compare.studies.sweep import keys, run, sample
+from rollbench.compare.studies import columns
+from rollbench.compare.studies.columns import MAIN
+from rollbench.compare.studies.sweep import keys, run
 from rollbench.compare.studies.sweep.run import main_effects, sobol_indices_by_output, sweep_summary
-from rollbench.compare.studies.sweep.sample import MAIN
 
 KEYS = keys.read_varied_keys([f"{name}={-np.pi!r}:{np.pi!r}" for name in "abc"])
-NAMES = tuple(sample.OUTPUTS)
+NAMES = tuple(columns.COLUMNS)
 
 
 def records(sweep, function):
