@@ -72,6 +72,7 @@ class AxisDrive:
         "where one of these torques is not known",
         heading="motor torque, running",
         form="g3",
+        note="{drives}",
         error="empirical; that of the coefficient of friction",
         parts="[]",
     )
@@ -102,6 +103,12 @@ class AxisDrive:
     inertia: float = quantity_field(
         "inertia_kg_mm2", "sum of the moments of inertia of shaft, moved mass and motor", heading="moment of inertia"
     )
+
+    @property
+    @QuantityDescription("drives", "what turns the shaft at constant speed, if it is the load; null if it is the motor")
+    def driving_load(self) -> str | None:
+        """Words if the load turns the shaft at constant speed, and the motor brakes; None if the motor drives."""
+        return "the load drives, the motor brakes" if self.running is not None and max(self.running) < 0.0 else None
 
 
 def with_friction_of_nuts(assembly: Assembly, sets: Mapping[str, SetResult], member: int) -> dict[str, SetResult]:

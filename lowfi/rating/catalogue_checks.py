@@ -100,7 +100,7 @@ class ShaftLimits:
         "allowed_speed_rpm",
         "permissible speed: the smaller of 0.8 times the critical speed and the speed at the DN limit",
         heading="allowed speed",
-        note="whirls at {critical_speed_rpm} rpm",
+        note="whirls at {critical_speed_rpm} rpm; DN limit {dn_limit_mm_rpm} mm/min",
     )
 
     @property
