@@ -258,14 +258,15 @@ def check_equilibrium(
     arm
         Length [m]; ``largest`` times this length counts as the largest moment, unless a moment in ``sums`` is larger.
     noise
-        Force [N] and moment [N m] that rounding errors leave; the magnitudes of the sums are reduced by them.
+        Force [N] and moment [N m] that rounding errors leave; the magnitudes of the sums are reduced by them. Either counts
+        for the other, too, at the length ``arm``.
     net
         Magnitude of the resultant force on each ball ``(N,)`` [N].
     """
     applied, reaction, contact, pin = sums
     size_m = max(max(float(np.abs(x[3:]).max()) for x in (applied, reaction, contact)), largest * arm)
-    total = np.abs(applied + reaction + contact + pin)
-    df, dm = np.maximum(total[:3] - noise[0], 0.0), np.maximum(total[3:] - noise[1], 0.0)
+    total, left_over = np.abs(applied + reaction + contact + pin), max(noise[0], noise[1] / arm)
+    df, dm = np.maximum(total[:3] - left_over, 0.0), np.maximum(total[3:] - left_over * arm, 0.0)
     worst = int(net.argmax()) if net.size else -1
     sides = applied[:3], applied[3:], reaction[:3], reaction[3:], contact[:3], contact[3:]
     left = float(df.max()) / largest if largest else 0.0, float(dm.max()) / size_m if size_m else 0.0
