@@ -14,9 +14,10 @@ import numpy as np
 
 from rollbench.meshes.arrays import Array
 
-#: Residual up to which a point counts as on the path (root of the sum of squares), and largest number of Newton steps from
-#: a predicted point back to the path.
-ON_PATH, STEPS = 1e-10, 8
+#: Residual up to which a point counts as on the path (root of the sum of squares). Residual up to which it does so too if
+#: Newton's step is no longer than `SETTLED`: rounding errors of many equations leave no smaller one. Largest number of
+#: Newton steps from a predicted point back to the path.
+ON_PATH, NEARLY, SETTLED, STEPS = 1e-10, 1e-9, 1e-11, 8
 
 #: Length of the first step along the path and length of the shortest, in scaled units; distance by which a predicted point
 #: may always be moved back to the path, also after a shorter step: the path bends sharply where a contact closes or opens.
@@ -68,9 +69,12 @@ class PathPoint(ABC):
         """
         at, moved = self.at(self.point + length * tangent), 0.0
         for count in range(STEPS + 1):
-            if np.linalg.norm(at.residual) <= ON_PATH:
+            residual = np.linalg.norm(at.residual)
+            if residual <= ON_PATH:
                 return at, count
             step, change = at.steps
+            if residual <= NEARLY and np.linalg.norm(step) <= SETTLED:
+                return at, count
             further = 0.0 if ends else -float(tangent[:-1] @ step) / float(tangent[-1] + tangent[:-1] @ change)
             move = np.append(step + further * change, further)
             moved += float(np.linalg.norm(move))

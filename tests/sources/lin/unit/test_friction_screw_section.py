@@ -81,12 +81,14 @@ def test_ours_has_no_failure_and_unique_answers_and_solves_the_longest_chains(re
     for r in records:
         assert r.ours == r.tries > 0, r
         assert max(r.energy, r.spread) < 1e-8, r
-    linear = solve_motion_of_chain(extremes.random_linear_balls(max(BALLS), 0.5).to_linear_chain())
+    linear, unloaded = (
+        solve_motion_of_chain(balls(max(BALLS), 0.5).to_linear_chain())
+        for balls in (extremes.random_linear_balls, extremes.random_balls_with_unloaded_contacts)
+    )
     screws = solve_motion_of_chain(extremes.random_screw_balls(max(BALLS)))
-    assert linear.converged
-    assert screws.converged
-    assert linear.input_power == pytest.approx(linear.loss, rel=1e-8)
-    assert screws.input_power == pytest.approx(screws.loss, rel=1e-8)
+    for longest in (linear, unloaded, screws):
+        assert longest.converged
+        assert longest.input_power == pytest.approx(longest.loss, rel=1e-8)
 
 
 def test_root_finding_of_the_source_fails(records):
