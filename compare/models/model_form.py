@@ -452,17 +452,17 @@ def estimate_model_error(
 
 def estimate_double_nut_error(
     assembly: Assembly, result: AxisResult, measured_errors: Iterable[MeasuredModelErrors] | None = None
-) -> ExpectedError | None:
+) -> ExpectedError:
     """Estimate the error of a model's result for a double nut, from its errors on compared screws and double nuts.
 
     Errors of contact loads are in per cent of the mean load of their own nut; displacement and rigidity are those of the
-    shaft's cross-section on which the axial load acts.
+    shaft's cross-section on which the axial load acts. A shaft with other sets than two ball nuts is not covered.
 
-    ``result``: converged result of the model; ``measured_errors``: as in `estimate_model_error`. None for a shaft with
-    other sets than two ball nuts, of which none was compared.
+    ``result``: converged result of the model; ``measured_errors``: as in `estimate_model_error`.
     """
     if [s.kind for s in assembly.sets] != ["ball nut", "ball nut"]:
-        return None
+        why = "of several nuts or bearings on one shaft, only double nuts were compared"
+        return ExpectedError(None, None, float("inf"), "", 0, 0, (why,))
     nuts, unlike = nuts_of_double_nut(assembly, result), _unlike_compared_double_nuts(assembly)
     return _estimate_model_error(nuts, result.model, shaft_limits(assembly, result, nuts[0][0]), unlike, measured_errors)
 

@@ -201,7 +201,6 @@ def compare_models_with_reference(
         starts[answers[-1].model] = _axial_position_without_loads(scene, by_model.unloaded_result)
         if by_model.loaded_result.converged:
             measured = measured_errors_on_other_scenes(reference)
-            estimate: model_form.ExpectedError | None
             if place is None:
                 estimate = model_form.estimate_model_error(by_model.scene, by_model.loaded_result, measured)
             else:

@@ -411,8 +411,7 @@ def expected_error_sentence(expected_errors: ExpectedError | None) -> str:
     Parameters
     ----------
     expected_errors
-        The errors to expect; None for several nuts or bearings on one shaft, where they are not known, but for a double
-        nut.
+        The errors to expect; None without an equilibrium.
 
     Returns
     -------
@@ -420,9 +419,9 @@ def expected_error_sentence(expected_errors: ExpectedError | None) -> str:
         The sentence, without a full stop.
     """
     if expected_errors is None:
-        unknown = "not known for several nuts or bearings on one shaft other than a double nut"
-        return f"error to expect: {unknown}; measure it by: rollbench compare SCENE"
+        return "error to expect: not known without an equilibrium"
     nearest, words = expected_errors.nearest, "; ".join(expected_errors.words)
+    words += "; measure it by: rollbench compare SCENE"
     if expected_errors.loads is None:
         away = f" (most similar scene: {nearest})" if nearest else ""
         return f"error to expect: not covered by the comparisons with the 3D reference{away}; {words}"
@@ -434,4 +433,4 @@ def expected_error_sentence(expected_errors: ExpectedError | None) -> str:
         smaller = (
             f"in nine of ten of {of} the error was smaller, without a guarantee for a new one, most similar: {nearest}"
         )
-    return f"error to expect: {smaller}; {words}; measure it by: rollbench compare SCENE"
+    return f"error to expect: {smaller}; {words}"

@@ -186,8 +186,7 @@ class Result(TabularRecord, Balls):
     axis_life: SystemLife | None = quantity_field("axis_life", default=None)
     """Life of all nuts and bearings of a shaft as one system, under all load cases; None for a single nut or bearing."""
     expected_error: ExpectedError | None = None
-    """Error to expect of the model's results. None with several nuts or bearings on one shaft other than a double nut,
-    where it is not known, and with load cases: see each of `cases`."""
+    """Error to expect of the model's results, or why it is not known; None with load cases: see each of `cases`."""
     cases: Mapping[str, Result] = field(default_factory=dict)
     """Results of each load case, by name; empty without load cases."""
 
