@@ -456,11 +456,13 @@ def stability_sentence(records: Sequence[extremes.Record]) -> str:
     counts = [r["scenes"] for r in newest]
     judged = {v: sum(c.get(v, 0) for c in counts) for v in (*extremes.GOOD, *extremes.BAD)}
     bad, right = sum(judged[v] for v in extremes.BAD), judged[extremes.RIGHT]
+    mended = sum(one.get("again", {}).get("verdict") in extremes.GOOD for r in newest for one in r["bad"])
     return (
         f"Of {sum(judged.values())} screws and axes drawn at random from far beyond what is built (version "
         f"{newest[-1]['version']}), {right} are solved, each judged by Hertz's law and the balance of forces computed by "
-        f"other code; {sum(judged.values()) - right - bad} are refused, as impossible input or with a proof; {bad} are "
-        "wrong or end without a reason."
+        f"other code; {sum(judged.values()) - right - bad} are refused, as impossible input or with a proof; {bad} "
+        f"{'was' if bad == 1 else 'were'} wrong or ended without a reason"
+        + (f", {mended} of them mended since." if mended else ".")
     )
 
 
