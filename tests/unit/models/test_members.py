@@ -16,6 +16,7 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.models.stiffness import stiffness_of_scene
+from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.results.data import output_statistics
 from rollbench.compare.scenes import catalogue
@@ -58,7 +59,7 @@ def test_the_same_numbers_whatever_block_is_done_first(monkeypatch):
         for k, (function, arguments) in reversed(list(enumerate(jobs))):
             yield k, pickle.loads(pickle.dumps(function(*arguments)))
 
-    monkeypatch.setattr(members.parallel, "run_jobs", backwards)
+    monkeypatch.setattr(parallel, "run_jobs", backwards)
     shared = members.solve_random_draws_of_scene(RANDOM, "lin", 12, ComputingSettings(parallel_jobs=2))
     assert np.array_equal(alone.outputs, shared.outputs)
     for name in ("mean_loads", "standard_deviation", "smallest_loads", "largest", "counts"):
