@@ -309,7 +309,6 @@ def _search_zero_over_loads(
         if factor < high and solution.converged:
             value, place = quantity(solution)
             if value > 0.0:
-                before = _zero_of_secant(known)
                 known.append((factor, value))
             else:
                 high = factor
