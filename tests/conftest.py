@@ -34,7 +34,7 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # or each process that a test s
 #: What one solve does without: a module of tests that imports one of these packages, or a helper that does, is marked so.
 FURTHER = re.compile(
     r"^\s*(?:from|import) rollbench\."
-    r"(?:compare\.(?:cases|evidence|report|studies)|lowfi\.(?:friction|bearings|random_errors)|hifi\.rolling|meshes\.exchange)\b",
+    r"(?:compare\.(?:cases|evidence|report|studies)|lowfi\.(?:friction|bearings|as_source\.liu)|hifi\.rolling|meshes\.exchange)\b",
     re.MULTILINE,
 )
 HELPER = re.compile(r"^from (tests\.[\w.]+) import ", re.MULTILINE)

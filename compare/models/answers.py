@@ -15,7 +15,14 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
 from rollbench.compare.measure import mean_load
 from rollbench.compare.models import loading
-from rollbench.compare.models.registry import MODELS, ModelOptions, read_condensed_bodies, run_model, scene_key_of_error
+from rollbench.compare.models.registry import (
+    MODELS,
+    ModelOptions,
+    model_by_name,
+    read_condensed_bodies,
+    run_model,
+    scene_key_of_error,
+)
 from rollbench.compare.models.set_results import SetResult, clearance_of_deep_groove
 from rollbench.compare.models.stiffness import NutStiffness
 from rollbench.lowfi.bearings import torque as bearings_torque
@@ -233,10 +240,9 @@ def tangent_stiffness_at_nut(scene: Scene, model: str, options: ModelOptions) ->
     str
         Why the stiffness could not be computed; empty if it was, or if the model never computes a stiffness.
     """
-    if model == "liu":
-        from rollbench.lowfi.statics.liu import nut_as_spring_row  # heavy import, needed for this model only
-
-        axial = nut_as_spring_row(scene, member=options.member).stiffness()
+    axial_stiffness = model_by_name(model).axial_stiffness
+    if axial_stiffness is not None:
+        axial = axial_stiffness(scene, options, 0.0)
         along = np.full((6, 6), np.nan)
         along[2, 2] = np.nan if axial is None else axial
         return (None, "") if axial is None else (TangentStiffness(scene.nut.position, along, "converged"), "")
@@ -315,13 +321,9 @@ def results_of_single(
 
 
 def load_step_stiffness(scene: Scene, model: str, options: ModelOptions) -> float | None:
-    """Return the axial secant stiffness [N/m] over the load step that a scene states; None for other models than liu."""
-    step = scene.ingredients.load_step
-    if model != "liu" or step is None:
-        return None
-    from rollbench.lowfi.statics.liu import nut_as_spring_row  # heavy import, needed for this model only
-
-    return nut_as_spring_row(scene, member=options.member).stiffness(step)
+    """Return the axial secant stiffness [N/m] over the load step that a scene states; None without step or such a model."""
+    step, axial_stiffness = scene.ingredients.load_step, model_by_name(model).axial_stiffness
+    return None if step is None or axial_stiffness is None else axial_stiffness(scene, options, step)
 
 
 def bearing_friction_torque(

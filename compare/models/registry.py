@@ -163,6 +163,9 @@ class Model:
     refinement_step: tuple[int, str] | None = None
     #: Name of another model whose measured errors hold for this one, too; empty: none.
     model_with_same_errors: str = ""
+    #: Function that returns the axial stiffness of the nut under the scene's load [N/m]: the secant over a load step [N],
+    #: or the tangent for a step of 0; None without load. Only a model without 6 x 6 tangent stiffness needs it.
+    axial_stiffness: Callable[[Scene, ModelOptions, float], float | None] | None = None
 
     def scene_with_settings(self, scene: Scene) -> Scene:
         """Return a copy of the scene with the modelling options (`Scene.ingredients`) that this model prescribes."""

@@ -21,11 +21,11 @@ from rollbench.compare.studies.rolling.runs import LEVELS
 from rollbench.compare.studies.sweep.keys import read_varied_keys
 from rollbench.compare.studies.sweep.sample import VariedScene, solve_sample
 from rollbench.hifi.rolling.balls import RollingSettings, solve_half_space_contact_under_1_N, solve_rolling
+from rollbench.lowfi.as_source.liu.ensemble import solve_ensemble
 from rollbench.lowfi.as_source.newton import solve_by_lin_equations
 from rollbench.lowfi.friction.screw.run import solve_pair_of_screw_balls
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
-from rollbench.lowfi.random_errors.ensemble import solve_ensemble
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.contacts import clear_nominal_caches
 from rollbench.lowfi.statics.response import clear_compliance_caches

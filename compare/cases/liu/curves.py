@@ -12,9 +12,9 @@ import numpy as np
 
 from rollbench.compare.cases.liu import evidence as liu
 from rollbench.compare.printed import printed_value
-from rollbench.lowfi.random_errors import chain as ball_chain
-from rollbench.lowfi.random_errors import ensemble as screw_ensemble
-from rollbench.lowfi.random_errors.ensemble import Quantity as Spread
+from rollbench.lowfi.as_source.liu import chain as ball_chain
+from rollbench.lowfi.as_source.liu import ensemble as screw_ensemble
+from rollbench.lowfi.as_source.liu.ensemble import Quantity as Spread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.section import screw_section
 from rollbench.reports.content import Figure, Panel, Row, Series, Table, TableColumn

@@ -18,10 +18,10 @@ from rollbench.compare.evidence import ComputedEntryValues
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import PrintedEntry
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.random_errors import chain as ball_chain
-from rollbench.lowfi.random_errors import ensemble as screw_ensemble
-from rollbench.lowfi.random_errors.elimination import solve_by_elimination
-from rollbench.lowfi.statics.liu import nut_as_spring_row
+from rollbench.lowfi.as_source.liu import chain as ball_chain
+from rollbench.lowfi.as_source.liu import ensemble as screw_ensemble
+from rollbench.lowfi.as_source.liu.elimination import solve_by_elimination
+from rollbench.lowfi.as_source.liu.model import nut_as_spring_row
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.numerics import brentq

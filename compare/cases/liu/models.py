@@ -48,22 +48,30 @@ def models() -> tuple[Model, ...]:
             "it describes one row of balls between a screw and a nut, each loaded at one end",
             covers_scene=_is_covered_by_liu_model,
             compared=True,
+            axial_stiffness=_axial_stiffness_by_liu,
         ),
     )
 
 
 def _solve_mei(scene: Scene, options: ModelOptions, *, elastic_nut: bool) -> StaticResult:
     """Solve a scene by the model of Mei et al.; ``elastic_nut``: whether the nut is an elastic bar instead of rigid."""
-    from rollbench.lowfi.statics.mei import solve_mei
+    from rollbench.lowfi.as_source.mei import solve_mei
 
     return solve_mei(scene, member=options.member, elastic_nut=elastic_nut)
 
 
 def _solve_liu(scene: Scene, options: ModelOptions) -> StaticResult:
     """Solve a scene by the model of Liu et al.: balls in a row along the axis, load-dependent contact angles."""
-    from rollbench.lowfi.statics.liu import solve_liu
+    from rollbench.lowfi.as_source.liu.model import solve_liu
 
     return solve_liu(scene, member=options.member)
+
+
+def _axial_stiffness_by_liu(scene: Scene, options: ModelOptions, step: float) -> float | None:
+    """Return the axial stiffness of the nut by the model of Liu et al. [N/m], see `SpringRow.stiffness`."""
+    from rollbench.lowfi.as_source.liu.model import nut_as_spring_row
+
+    return nut_as_spring_row(scene, member=options.member).stiffness(step)
 
 
 def _is_covered_by_mei_model(scene: Scene) -> bool:
@@ -79,6 +87,6 @@ def _is_covered_by_liu_model(scene: Scene) -> bool:
 
     The model covers axial loads at one end of the nut, without preload and without a support that fixes the screw axially.
     """
-    from rollbench.lowfi.statics.liu import is_solvable_by_liu
+    from rollbench.lowfi.as_source.liu.model import is_solvable_by_liu
 
     return is_solvable_by_liu(scene)

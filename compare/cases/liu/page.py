@@ -21,10 +21,10 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.estimate import largest_uncertainty_percent
 from rollbench.compare.sections import source_tables
 from rollbench.compare.sections.verdicts import misprints_table
-from rollbench.lowfi.random_errors.chain import BallScrewChain, solve_ball_screw
-from rollbench.lowfi.random_errors.ensemble import draw_uniform_errors
-from rollbench.lowfi.statics.liu import SpringRow as ModelInputs
-from rollbench.lowfi.statics.liu import nut_as_spring_row
+from rollbench.lowfi.as_source.liu.chain import BallScrewChain, solve_ball_screw
+from rollbench.lowfi.as_source.liu.ensemble import draw_uniform_errors
+from rollbench.lowfi.as_source.liu.model import SpringRow as ModelInputs
+from rollbench.lowfi.as_source.liu.model import nut_as_spring_row
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Calibration, Scene
 from rollbench.reports.content import Row, Section, Table, TableColumn, Text

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from rollbench.compare.measure import mean_load
 from rollbench.compare.models.loading import with_scaled_loads
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.registry import ModelOptions, model_by_name, run_model
 from rollbench.compare.models.stiffness import (
     PROBE,
     SceneStiffness,
@@ -263,8 +263,8 @@ class _TangentStep:
 def _tangent_step(scene: Scene, model: str) -> _TangentStep:
     """Return the change of a scene's loads from which the tangents of its random draws are computed.
 
-    It is that of `stiffness_of_scene` without random errors, in one direction; with the model liu the load step of the
-    scene, if it has one.
+    It is that of `stiffness_of_scene` without random errors, in one direction; with a model that has its own axial
+    stiffness (liu) the load step of the scene, if it has one.
     """
     bare, options = without_random_errors(scene), ModelOptions(estimate_beam_mesh_error=False)
     assert isinstance(bare, Scene), "a scene of one nut or bearing stays one"
@@ -275,7 +275,7 @@ def _tangent_step(scene: Scene, model: str) -> _TangentStep:
         at, change = place_of_displacement(scene), PROBE * float(result.load.sum())
         point, changed = LoadPoint(at, (0.0, 0.0, 1.0), 0.0), with_axial_force(scene, change)
     else:
-        asked = scene.ingredients.load_step if model == "liu" else None
+        asked = scene.ingredients.load_step if model_by_name(model).axial_stiffness else None
         step = step if asked is None else asked / abs(point.force)
         changed, change = with_scaled_loads(scene, 1.0 + step), step * point.force
     assert isinstance(changed, Scene), "a scene of one nut or bearing stays one"

@@ -7,9 +7,9 @@ import pytest
 from scipy.optimize import brentq, minimize
 
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.lowfi.random_errors import chain as chains
+from rollbench.lowfi.as_source.liu import chain as chains
+from rollbench.lowfi.as_source.mei import solve_mei
 from rollbench.lowfi.statics.contacts import hertz_without_errors
-from rollbench.lowfi.statics.mei import solve_mei
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.section import screw_section
 

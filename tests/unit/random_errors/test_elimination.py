@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.unit.random_errors.test_chain import LONG as CHAIN
 
-from rollbench.lowfi.random_errors.chain import LAWS, solve_ball_screw
-from rollbench.lowfi.random_errors.elimination import solve_by_elimination
+from rollbench.lowfi.as_source.liu.chain import LAWS, solve_ball_screw
+from rollbench.lowfi.as_source.liu.elimination import solve_by_elimination
 
 
 @settings(max_examples=40, deadline=None)

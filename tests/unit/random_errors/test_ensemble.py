@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from tests.unit.random_errors.test_chain import LONG as CHAIN
 
-from rollbench.lowfi.random_errors import chain as chains
-from rollbench.lowfi.random_errors import ensemble
+from rollbench.lowfi.as_source.liu import chain as chains
+from rollbench.lowfi.as_source.liu import ensemble
 
 LOADS = [100.0, 1000.0]
 

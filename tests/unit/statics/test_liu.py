@@ -11,8 +11,8 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.models.registry import MODELS, ModelOptions, run_model
 from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.lowfi.statics.liu import nut_as_spring_row, solve_liu
-from rollbench.lowfi.statics.mei import nut_tensile_stiffness, solve_mei
+from rollbench.lowfi.as_source.liu.model import nut_as_spring_row, solve_liu
+from rollbench.lowfi.as_source.mei import nut_tensile_stiffness, solve_mei
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import BallErrors, Calibration, Errors, Support
 from rollbench.meshes.section import screw_section

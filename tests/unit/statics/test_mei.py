@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.lowfi.statics.mei import solve_mei
+from rollbench.lowfi.as_source.mei import solve_mei
 from rollbench.meshes.helix import lead_angle
 
 
@@ -17,7 +17,7 @@ def test_loads_fall_steadily_from_the_loaded_end_more_so_in_an_elastic_nut() -> 
 
 
 def test_axial_balance() -> None:
-    """With contacts on all four flanks; on two, the chain of `lowfi.random_errors` finds the same loads."""
+    """With contacts on all four flanks; on two, the chain of `lowfi.as_source.liu` finds the same loads."""
     s = scene("lin-case3")
     result, slope = solve_mei(s), np.sin(s.track.contact_angle) * np.cos(lead_angle(s.track))
     assert slope * (result.load[:, 0] - result.load[:, 1]).sum() == pytest.approx(5000.0, rel=1e-10)

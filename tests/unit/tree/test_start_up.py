@@ -34,7 +34,7 @@ def test_a_solve_loads_nothing_whose_answer_it_does_not_print(tmp_path):
     inside = [name for name in found if name.count(".") > 2 and not name.endswith(".models")]  # cases bring scenes, models
     unasked = ("compare.studies.", "compare.cases.", "compare.sections.", "compare.report.", "compare.evidence.")
     assert not [name for name in inside if name.startswith(unasked)]
-    unasked = ("lowfi.friction", "lowfi.random_errors", "lowfi.as_source", "hifi", "compare.gate.", "compare.reference.")
+    unasked = ("lowfi.friction", "lowfi.as_source", "hifi", "compare.gate.", "compare.reference.")
     assert not [name for name in found if name.startswith((*unasked, "compare.scenes.axis_file", "lowfi.statics.axis."))]
     commands = {name.rsplit(".")[-1] for name in found if name.startswith("compare.commands.")}
     assert commands <= {"solve", "terminal"}, "options of other commands"

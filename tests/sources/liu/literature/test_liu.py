@@ -10,8 +10,8 @@ from tests.sources.entries import check, keys, of_source
 from rollbench.compare.cases.liu import evidence as liu
 from rollbench.compare.evidence import PrintedEntryComparison, evidence
 from rollbench.compare.printed import load_printed_table, printed_value
-from rollbench.lowfi.random_errors import chain
-from rollbench.lowfi.random_errors.ensemble import percentile_rank, solve_ensemble
+from rollbench.lowfi.as_source.liu import chain
+from rollbench.lowfi.as_source.liu.ensemble import percentile_rank, solve_ensemble
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

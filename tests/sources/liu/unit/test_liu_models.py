@@ -6,7 +6,7 @@ import pytest
 from rollbench.compare.cases.liu import evidence, page
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.random_errors.chain import solve_ball_screw
+from rollbench.lowfi.as_source.liu.chain import solve_ball_screw
 from rollbench.meshes.parts import Scene
 
 SCENE = catalogue.shipped_scene_of_kind(page.SCENE, Scene)

@@ -9,7 +9,7 @@ i, and q + 1 in (23); the brackets of 17, 23 and 24 are printed with the opposit
 and the sum of the axial forces is F (18). Each round solves these equations by Newton's method, with tension allowed (C is
 odd in the approach; the paper does not say so), and removes all balls with a negative approach.
 
-The last round has the active set of the complementarity problem in `lowfi.random_errors.chain`. With tension allowed, the
+The last round has the active set of the complementarity problem in `lowfi.as_source.liu.chain`. With tension allowed, the
 sum of forces H(u) is nowhere larger than without, and removing balls lowers H further. The solution of a round therefore
 lies above the true one in every component. A ball without contact there has no contact in the true solution either, so that
 no ball is removed in error. The last round, in which no ball carries tension, solves the problem.
@@ -22,8 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.lowfi.as_source.liu.chain import BallScrewChain, checked_ball_errors
 from rollbench.lowfi.hertz import contact_approach, contact_force
-from rollbench.lowfi.random_errors.chain import BallScrewChain, checked_ball_errors
 from rollbench.meshes.arrays import Array
 
 #: Largest number of Newton steps in a round of the elimination, and largest number of halvings of a step.

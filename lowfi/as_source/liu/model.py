@@ -1,6 +1,6 @@
 """Liu's self-adjusting axial model of a single nut (Liu et al. 2025, section 2), applied to a scene.
 
-Numbers in parentheses are equations of Liu et al.; the equations are solved in `lowfi.random_errors.chain`. The axial load
+Numbers in parentheses are equations of Liu et al.; the equations are solved in `lowfi.as_source.liu.chain`. The axial load
 enters screw and nut at that end of the row of balls which is nearer to it. Seen from this end, a segment of the screw (a
 bar with grooved section) and of the nut (a tube) behind each ball carries the sum of the loads of all balls behind it (5).
 Contact angles change by (10). The error of a ball is its interference with a pair of flanks along the nominal contact
@@ -16,10 +16,10 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.lowfi.as_source.liu.chain import BallScrewChain, BallScrewState, Law, solve_ball_screw
+from rollbench.lowfi.as_source.mei import axial_equilibrium, axial_result, nut_tensile_stiffness
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.random_errors.chain import BallScrewChain, BallScrewState, Law, solve_ball_screw
 from rollbench.lowfi.statics import contacts
-from rollbench.lowfi.statics.mei import axial_equilibrium, axial_result, nut_tensile_stiffness
 from rollbench.lowfi.statics.problem import place_balls
 from rollbench.lowfi.statics.result import SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.validity import contact_warnings

@@ -10,8 +10,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from rollbench.lowfi.random_errors import chain as ball_chain
-from rollbench.lowfi.random_errors.chain import BallScrewChain
+from rollbench.lowfi.as_source.liu import chain as ball_chain
+from rollbench.lowfi.as_source.liu.chain import BallScrewChain
 from rollbench.meshes.arrays import Array
 
 #: Quantities that are stored for each screw of an ensemble: smallest and largest contact load [N], number of loaded balls,
