@@ -15,6 +15,8 @@ from rollbench.meshes import parts as parts_records
 from rollbench.meshes import ranges
 from rollbench.meshes.parts import FREEDOMS, Friction, Ingredients, Lubricant, Material, Motion, Scene, Screw, Support
 from rollbench.meshes.record_keys import frozen_default, frozen_record, scene_key
+from rollbench.meshes.scene_text import Table, fixed_keys, keys_of_record, toml_of_tables, with_unit, without_empty_values
+from rollbench.meshes.stated import groove_table
 
 #: A symmetric 6x6 stiffness matrix as nested tuples; rows and columns are in the order of FREEDOMS [N/m, N, N m].
 Stiffness = tuple[tuple[float, ...], ...]
@@ -22,6 +24,8 @@ Stiffness = tuple[tuple[float, ...], ...]
 #: row of an angular contact bearing carries one. The single arc of a deep groove carries both directions, and its contact
 #: angle changes sign.
 Thrust = Literal["both", "+z", "-z", "deep groove"]
+#: Coefficient of thermal expansion of steel [1/K], with which a thermal strain is written as a temperature rise.
+STEEL = 11.5e-6
 
 
 #: Arrangements of equal bearings by their names: direction of the thrust on the shaft that each row carries, from left to
@@ -73,6 +77,10 @@ class Housing:
         """Whether all degrees of freedom of the housing are fixed at zero."""
         return {name for name, value in self.fixed if value == 0.0} == set(FREEDOMS)
 
+    def file_keys(self) -> Table:
+        """Return the keys of the housing in a scene file."""
+        return keys_of_record(self, **fixed_keys(self.fixed), **_stiffness_keys(self.stiffness))
+
 
 @frozen_record
 class Joint:
@@ -85,6 +93,24 @@ class Joint:
     at: ranges.Station = scene_key("axial position at which the springs of the joint act", "400 mm")
     #: Stiffness matrix ``(6, 6)`` for the motion of the second housing relative to the first one at this position.
     stiffness: Stiffness
+
+    def file_keys(self) -> Table:
+        """Return the keys of the joint in a scene file."""
+        return keys_of_record(self, between=[self.first, self.second], **_stiffness_keys(self.stiffness))
+
+
+def _stiffness_keys(matrix: Stiffness | None) -> Table:
+    """Return the key that states a 6x6 stiffness: ``springs`` for a diagonal matrix, else ``matrix``; empty for None."""
+    if matrix is None:
+        return {}
+    if any(x for i, row in enumerate(matrix) for j, x in enumerate(row) if i != j):
+        return {"matrix": [[*row] for row in matrix]}
+    springs = {
+        n: with_unit(ranges.Spring if n[0] == "u" else ranges.Twist, matrix[i][i])
+        for i, n in enumerate(FREEDOMS)
+        if matrix[i][i]
+    }
+    return {"springs": springs or {"ux": "0 N/m"}}
 
 
 @frozen_record
@@ -134,6 +160,11 @@ class RollerRow:
     #: Load ratings by the maker.
     rating: parts_records.MakerRating = frozen_default(parts_records.MakerRating(), static=False)
 
+    def file_keys(self) -> Table:
+        """Return the keys of the table ``rollers`` of a scene file."""
+        crown = {} if self.crown == float("inf") else {"crown": with_unit(ranges.Size, self.crown)}
+        return keys_of_record(self, "rating", ring_depth=with_unit(ranges.Size, self.depth), **crown)
+
 
 @frozen_record
 class RollingSet:
@@ -170,6 +201,48 @@ class RollingSet:
         "100 N mm",
         static=True,
     )
+
+    def file_keys(self, shaft: Screw, shared: Material) -> Table:
+        """Return the keys of the rolling set in a scene file.
+
+        Its inner ring (table ``screw``) is written only if its groove, diameter or material differs from that of the shaft.
+
+        Parameters
+        ----------
+        shaft : Screw
+            Shaft on which it sits.
+        shared : Material
+            Material at the head of the scene file; parts of this material get no key for it.
+
+        Returns
+        -------
+        Table
+            Keys and their values, with units.
+        """
+        parts, rollers = self.parts, isinstance(self.parts, RollerRow)
+        bearing = isinstance(parts, Scene) and parts.track.lead == 0.0
+        table = keys_of_record(
+            self,
+            kind=self.kind,
+            thrust=self.thrust if bearing or self.thrust != "both" else "",
+            preload=with_unit(ranges.Force, self.preload) if self.preload else "",
+            position=with_unit(ranges.Size, self.position) if rollers else "",
+            rating=keys_of_record(parts.rating),
+        )
+        if isinstance(parts, RollerRow):
+            return table | {"rollers": parts.file_keys()}
+        inner, ring = {}, parts.screw
+        if ring != shaft:
+            inner = groove_table(ring.groove_radius, parts.balls.radius) | ring.material.file_keys(shaft.material)
+            if ring.outer_diameter != shaft.outer_diameter:
+                inner["outer_diameter"] = with_unit(ranges.Size, ring.outer_diameter)
+        return table | without_empty_values(
+            track=parts.track_table(by_thrust=True),
+            screw=inner,
+            nut=parts.nut.file_keys(parts.balls.radius, parts.solid.nut_held, shared),
+            balls=parts.balls.file_keys(parts.track, shared),
+            errors={"seed": parts.errors.seed} | parts.errors.file_keys(),
+        )
 
 
 @frozen_record
@@ -236,9 +309,32 @@ class Assembly:
 
     def to_toml(self) -> str:
         """Return the shaft with its ball nuts and bearings as the text of a TOML scene file."""
-        from rollbench.meshes.scene_text import scene_file_tables_of_shaft, toml_of_tables
+        return toml_of_tables(self.file_tables())
 
-        return toml_of_tables(scene_file_tables_of_shaft(self))
+    def file_tables(self) -> Table:
+        """Return the keys and tables of the scene's file, without keys that have their default values."""
+        shared = next((s.parts.material for s in self.sets if isinstance(s.parts, RollerRow)), self.screw.material)
+        shaft = keys_of_record(self.screw) | self.screw.material.file_keys(shared)
+        if self.screw.groove_radius:
+            shaft["groove_radius"] = with_unit(ranges.Size, self.screw.groove_radius)
+        at, strain = self.stiffness_at, self.thermal_strain
+        expansion = STEEL if strain / STEEL == round(strain / STEEL, 9) else abs(strain)
+        ask = {"housing": at} if isinstance(at, str) else {} if at is None else {"at": with_unit(ranges.Size, at)}
+        tables = keys_of_record(
+            self,
+            kind="axis",
+            **shared.file_keys(None),
+            screw=shaft | without_empty_values(plain=[*map(keys_of_record, self.segments)]),
+            sets=[one.file_keys(self.screw, shared) for one in self.sets],
+            housings=[housing.file_keys() for housing in self.housings],
+            joints=[joint.file_keys() for joint in self.joints],
+            supports=[support.file_keys() for support in self.supports],
+            ingredients=keys_of_record(self.ingredients, "screw", "element_length", "arm"),
+            friction={} if self.friction is None else self.friction.file_keys(),
+            stiffness=ask,
+            heat={"warming": f"{strain / expansion:.12g} K", "expansion": expansion} if strain else {},
+        )
+        return parts_records.with_first_keys_first(tables)
 
     @property
     def ball_count(self) -> int:

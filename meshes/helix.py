@@ -226,39 +226,3 @@ def _points_along_contact_directions(scene: Scene, distances: Array) -> Array:
     """
     c, s = cos(scene.track.contact_angle), sin(scene.track.contact_angle)
     return np.array([(d * (x * c), d * (z * s)) for d, (x, z) in zip(distances, SIDE_SIGNS, strict=True)])
-
-
-def evenly_spaced_azimuths(
-    balls_of_circuit: int, turns: float, helix_azimuth: float, circuits: int = 1, circuit_gap: float = 0.0
-) -> tuple[float, ...]:
-    """Return the azimuths of balls that are evenly spaced over the loaded turns of each ball circuit.
-
-    Parameters
-    ----------
-    balls_of_circuit : int
-        Number of loaded balls in one circuit.
-    turns : float
-        Number of loaded turns of one circuit.
-    helix_azimuth : float
-        Azimuth of the middle of all circuits together [rad].
-    circuits : int, default 1
-        Number of circuits of one thread start.
-    circuit_gap : float, default 0.0
-        Number of turns without balls between two circuits.
-
-    Returns
-    -------
-    tuple[float, ...]
-        Azimuths [rad], ascending.
-
-    Examples
-    --------
-    >>> from math import degrees
-    >>> [round(degrees(x)) for x in evenly_spaced_azimuths(4, 1.0, 0.0)]
-    [-135, -45, 45, 135]
-    """
-    spacing, pitch = 2.0 * pi * turns / balls_of_circuit, 2.0 * pi * (turns + circuit_gap)
-    middles = (helix_azimuth + (k - (circuits - 1) / 2.0) * pitch for k in range(circuits))
-    return tuple(
-        middle + (i - (balls_of_circuit - 1) / 2.0) * spacing for middle in middles for i in range(balls_of_circuit)
-    )

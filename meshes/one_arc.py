@@ -7,17 +7,15 @@ the apex.
 from __future__ import annotations
 
 from dataclasses import replace
-from math import acos, asin, cos, degrees, sin
+from math import acos, cos, degrees, sin
 
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import quantity_field, result_record
+from rollbench.meshes.stated import LEAST
 
 #: Distance between contact and apex, as a ratio to the ball's radius, below which both arcs are treated as one. At this
 #: distance a third of a contact of typical size lies beyond the apex.
 NEAR = 0.0774
-#: Contact angle [rad] that stands for the angle 0 of a single arc. Its sign gives the direction in which thrust changes the
-#: contact angle; its size has no effect.
-LEAST = 1e-7
 
 
 def has_single_arc_grooves(scene: Scene) -> bool:
@@ -174,51 +172,6 @@ def distance_of_groove_centres(scene: Scene) -> float:
     Harris and Kotzalas (2007), chapter 2.
     """
     return scene.screw.groove_radius + scene.nut.groove_radius - 2.0 * scene.balls.radius
-
-
-def free_contact_angle(centre_distance: float, radial_clearance: float | None, axial_clearance: float | None) -> float:
-    """Compute the contact angle alpha of an unloaded bearing with single-arc grooves from its internal clearance.
-
-    The radial clearance is P_d = 2 A (1 - cos alpha), the axial one P_e = 2 A sin alpha.
-
-    Parameters
-    ----------
-    centre_distance : float
-        Distance A between the groove centres of both rings when a ball touches both [m], from
-        `distance_of_groove_centres`.
-    radial_clearance : float | None
-        Radial internal clearance P_d [m]; used where ``axial_clearance`` is None.
-    axial_clearance : float | None
-        Axial internal clearance P_e [m]; None: the radial clearance is used.
-
-    Returns
-    -------
-    float
-        Contact angle [rad], at least `LEAST`.
-
-    Raises
-    ------
-    ValueError
-        The clearance is 2 A or more; the message gives this limit.
-
-    References
-    ----------
-    Harris and Kotzalas (2007), sections 2.3 and 2.4.
-
-    Examples
-    --------
-    >>> round(degrees(free_contact_angle(0.18e-3, 13e-6, None)), 2)
-    15.44
-    """
-    share = (radial_clearance if axial_clearance is None else axial_clearance or 0.0) or 0.0
-    if not share < 2.0 * centre_distance:
-        direction = "radial" if axial_clearance is None else "axial"
-        raise ValueError(
-            f"the {direction} clearance must be below {2e3 * centre_distance:.4g} mm, at which the contact angle reaches "
-            "90 deg"
-        )
-    ratio = share / (2.0 * centre_distance)
-    return max(acos(1.0 - ratio) if axial_clearance is None else asin(ratio), LEAST)
 
 
 def internal_clearance(scene: Scene) -> InternalClearance | None:

@@ -10,6 +10,8 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from rollbench.meshes import ranges
 from rollbench.meshes.record_keys import frozen_default, frozen_record, scene_key
+from rollbench.meshes.scene_text import Table, fixed_keys, keys_of_record, toml_of_tables, with_unit, without_empty_values
+from rollbench.meshes.stated import ball_spacing_table, clearance_table, groove_table
 
 #: Names of the four flanks in the order of the columns of every ``(n, 4)`` array: screw left, right; nut left, right.
 SIDES = ("SL", "SR", "NL", "NR")
@@ -73,6 +75,24 @@ class Material:
         82.03
         """
         return self.youngs_modulus / (2.0 * (1.0 + self.poissons_ratio))
+
+    def file_keys(self, shared: Material | None) -> Table:
+        """Return the key ``material`` of a part of this material.
+
+        Parameters
+        ----------
+        shared : Material | None
+            Material at the head of the scene file, of which a part needs no key; None: the key is always wanted.
+
+        Returns
+        -------
+        Table
+            The key with its value, or nothing.
+        """
+        if self == shared:
+            return {}
+        unusual = not ranges.SOLIDS[0] <= self.youngs_modulus <= ranges.SOLIDS[1]
+        return {"material": ({"unusual": True} if unusual else {}) | keys_of_record(self)}
 
 
 @frozen_record
@@ -184,6 +204,40 @@ class Nut:
     #: Flange; None for a nut without flange.
     flange: Flange | None = frozen_default(None)
 
+    def file_keys(self, ball_radius: float, held_at: NutHeld | None, shared: Material) -> Table:
+        """Return the keys of the nut in a scene file, with its flange and the surface at which it is fixed (``held``).
+
+        Parameters
+        ----------
+        ball_radius : float
+            Radius of the balls [m].
+        held_at : NutHeld | None
+            Surface at which the nut is fixed; None: not stated.
+        shared : Material
+            Material at the head of the scene file; a nut of this material gets no key for it.
+
+        Returns
+        -------
+        Table
+            Keys and their values, with units.
+        """
+        flange, held = self.flange, without_empty_values(at=held_at)
+        if flange is not None and held_at in (None, "flange face"):
+            seat = 0.5 * self.outer_diameter, 0.5 * flange.diameter
+            for name, radius, whole in zip(("inner_diameter", "outer_diameter"), flange.seat, seat, strict=True):
+                held |= {} if radius == whole else {name: with_unit(ranges.Size, 2.0 * radius)}
+            held |= ({"centring": "bonded"} if flange.bonded else {}) | ({"bolts": flange.bolts} if flange.bolts else {})
+        own = {} if flange is None else {"flange": keys_of_record(flange)}
+        return _dimensions_and_material(self, ball_radius, shared) | own | without_empty_values(held=held)
+
+
+def _dimensions_and_material(part: Screw | Nut, ball_radius: float, shared: Material) -> Table:
+    """Return the keys of a screw or nut in a scene file: dimensions, groove (beside the ball radius [m]) and material.
+
+    ``shared``: material at the head of the scene file; a part of this material gets no key for it.
+    """
+    return keys_of_record(part) | groove_table(part.groove_radius, ball_radius) | part.material.file_keys(shared)
+
 
 @frozen_record
 class Balls:
@@ -195,6 +249,24 @@ class Balls:
     #: Azimuths of the balls of the first thread start [rad], counted on over whole turns. The balls of each further start
     #: have these azimuths plus the offset of that start.
     azimuths: tuple[ranges.Azimuth, ...]
+
+    def file_keys(self, track: Track, shared: Material) -> Table:
+        """Return the keys of the balls in a scene file.
+
+        Parameters
+        ----------
+        track : Track
+            Path of the ball centres.
+        shared : Material
+            Material at the head of the scene file; balls of this material get no key for it.
+
+        Returns
+        -------
+        Table
+            Keys and their values, with units.
+        """
+        spacing = ball_spacing_table(self.azimuths, track.phase, track.starts)
+        return {"radius": with_unit(ranges.Size, self.radius)} | spacing | self.material.file_keys(shared)
 
 
 @frozen_record
@@ -306,6 +378,11 @@ class Errors:
             for e in (self.SL, self.SR, self.NL, self.NR)
         )
 
+    def file_keys(self) -> Table:
+        """Return the keys of the table ``errors`` of a scene file."""
+        listed = {str(number): with_unit(ranges.Deviation, error) for number, error in self.balls.listed}
+        return keys_of_record(self, balls=keys_of_record(self.balls, listed=listed))
+
 
 @frozen_record
 class Support:
@@ -314,6 +391,10 @@ class Support:
     at: ranges.Station = scene_key("axial position of the support, from the left end of the screw", "0 mm")
     #: Pairs of a degree of freedom (of `FREEDOMS`) and its prescribed displacement [m] or rotation [rad].
     fixed: tuple[tuple[str, float], ...]
+
+    def file_keys(self) -> Table:
+        """Return the keys of the support in a scene file: position, fixed degrees of freedom, prescribed displacements."""
+        return keys_of_record(self) | fixed_keys(self.fixed)
 
 
 @frozen_record
@@ -449,6 +530,12 @@ class Friction:
     def between_balls(self) -> float:
         """Coefficient of friction between balls: ``balls``, or if that is None, the larger one of ``screw`` and ``nut``."""
         return max(self.screw, self.nut) if self.balls is None else self.balls
+
+    def file_keys(self) -> Table:
+        """Return the keys of the table ``friction`` of a scene file; one key where screw and nut are alike."""
+        if self.screw == self.nut:
+            return {"coefficient": self.screw} | keys_of_record(self, "screw", "nut")
+        return keys_of_record(self)
 
 
 @frozen_record
@@ -699,9 +786,48 @@ class Scene:
 
     def to_toml(self) -> str:
         """Return the scene as the text of a TOML scene file, from which the same scene can be read."""
-        from rollbench.meshes.scene_text import scene_file_tables, toml_of_tables
+        return toml_of_tables(self.file_tables())
 
-        return toml_of_tables(scene_file_tables(self))
+    def file_tables(self) -> Table:
+        """Return the keys and tables of the scene's file, without keys that have their default values."""
+        shared, offset = self.screw.material, self.errors.lead_offset
+        tables = keys_of_record(
+            self,
+            **shared.file_keys(None),
+            track=self.track_table(),
+            screw=_dimensions_and_material(self.screw, self.balls.radius, shared),
+            nut=self.nut.file_keys(self.balls.radius, self.solid.nut_held, shared),
+            balls=self.balls.file_keys(self.track, shared),
+            errors=self.errors.file_keys(),
+            supports=[support.file_keys() for support in self.supports],
+            solid=keys_of_record(self.solid, "nut_held"),
+            friction={} if self.friction is None else self.friction.file_keys(),
+            preload={"lead_offset": with_unit(ranges.Deviation, offset)} if offset else {},
+        )
+        return with_first_keys_first(tables)
+
+    def track_table(self, *, by_thrust: bool = False) -> Table:
+        """Return the keys of the table ``track``, the path of the ball centres.
+
+        For a bearing whose grooves are single arcs, the clearance from which its contact angle follows is written instead
+        of the angle.
+
+        Parameters
+        ----------
+        by_thrust : bool, default False
+            Whether the key ``thrust`` of a rolling set states the direction of the single arcs; then the angle is written,
+            and no clearance.
+
+        Returns
+        -------
+        Table
+            Keys and their values, with units.
+        """
+        track = self.track
+        if track.arcs == "two" or by_thrust:
+            return keys_of_record(track)
+        apart = self.screw.groove_radius + self.nut.groove_radius - 2.0 * self.balls.radius
+        return keys_of_record(track, "contact_angle", "washers") | clearance_table(apart, track.contact_angle)
 
     @property
     def stations(self) -> list[float]:
@@ -712,3 +838,8 @@ class Scene:
     def ball_count(self) -> int:
         """Number of loaded balls of all starts together."""
         return len(self.balls.azimuths) * self.track.starts
+
+
+def with_first_keys_first(tables: Table) -> Table:
+    """Return the tables of a scene file with the title and the other keys of `FIRST` at the beginning."""
+    return {name: tables[name] for name in FIRST if name in tables} | tables

@@ -6,12 +6,19 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar, TypeAlias
 
-from rollbench.meshes import scene_text
+from rollbench.meshes import ranges
 from rollbench.meshes.arrays import RecordWithArrays
 from rollbench.meshes.axis import Assembly, RollerRow
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.parts import Load, Scene, Support
 from rollbench.meshes.quantity import quantity_field, result_record
-from rollbench.meshes.scene_text import Table, toml_of_tables, without_empty_values
+from rollbench.meshes.scene_text import (
+    Table,
+    displacements_with_unit,
+    keys_of_record,
+    toml_of_tables,
+    with_unit,
+    without_empty_values,
+)
 
 #: Classes of all kinds of scenes that a file may describe.
 Described: TypeAlias = "Scene | FrictionScene | Assembly | DutyCycle"
@@ -62,6 +69,39 @@ class LoadCase:
     #: speeds.
     time: float | None = None
 
+    def file_keys(self, before: Scene | Assembly) -> Table:
+        """Return the keys of the load case in a scene file: only values that differ from the scene without load cases.
+
+        ``before``: the scene without load cases.
+        """
+        after = self.scene
+        table: Table = {"share": self.share} if self.time is None else {"time": with_unit(ranges.Duration, self.time)}
+        table |= {} if self.speed is None else {"speed": with_unit(ranges.Turning, self.speed)}
+        table |= {} if after.loads == before.loads else {"loads": [*map(keys_of_record, after.loads)]}
+        oversizes = _ball_oversizes(after)
+        table |= {} if oversizes == _ball_oversizes(before) else {"oversize": with_unit(ranges.Deviation, oversizes[0])}
+        if isinstance(before, Assembly) and isinstance(after, Assembly):
+            loaded = [b for a, b in zip(before.housings, after.housings, strict=True) if a != b]
+            forces = (keys_of_record(Load(0.0, h.force, h.moment), "at") for h in loaded)
+            table |= without_empty_values(housings=[{"name": h.name} | f for h, f in zip(loaded, forces, strict=True)])
+        supports = [_displaced_support_keys(*pair) for pair in zip(before.supports, after.supports, strict=True)]
+        return table | without_empty_values(supports=[x for x in supports if x])
+
+
+def _ball_oversizes(parts: Scene | Assembly) -> list[float]:
+    """Return the oversize of the ball radii [m] of each ball nut and ball bearing of a scene."""
+    scenes = [parts] if isinstance(parts, Scene) else [s.parts for s in parts.sets if isinstance(s.parts, Scene)]
+    return [scene.errors.balls.oversize for scene in scenes]
+
+
+def _displaced_support_keys(before: Support, after: Support) -> Table:
+    """Return the keys of a support whose prescribed displacement changes in a load case; empty where none changes.
+
+    ``before``: the support in the scene without load cases; ``after``: the same support in the load case.
+    """
+    moved = displacements_with_unit((name, x) for name, x in after.fixed if dict(before.fixed)[name] != x)
+    return {"at": with_unit(ranges.Station, after.at), "displace": moved} if moved else {}
+
 
 @dataclass(frozen=True)
 class DutyCycle:
@@ -76,16 +116,9 @@ class DutyCycle:
 
     def to_toml(self) -> str:
         """Return the duty cycle as the text of a scene file."""
-        parts = self.parts
-        if isinstance(parts, Scene):
-            tables = scene_text.scene_file_tables(parts)
-        else:
-            tables = scene_text.scene_file_tables_of_shaft(parts)
-        cases = []
-        for case in self.cases:
-            table = scene_text.load_case_table(case.share, case.time, case.speed, parts, case.scene)
-            cases.append({"name": case.scene.name.removeprefix(f"{parts.name}-"), **table})
-        return scene_text.toml_of_tables(tables | {"cases": cases})
+        prefix = f"{self.parts.name}-"
+        cases = [{"name": c.scene.name.removeprefix(prefix), **c.file_keys(self.parts)} for c in self.cases]
+        return toml_of_tables(self.parts.file_tables() | {"cases": cases})
 
     @property
     def name(self) -> str:

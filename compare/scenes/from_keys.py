@@ -18,11 +18,11 @@ from rollbench.compare.scenes.fault import Fault, length_text, raise_scene_error
 from rollbench.compare.scenes.keys import MaterialKeys, record_from_keys
 from rollbench.meshes import parts
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.helix import evenly_spaced_azimuths, lead_angle
+from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.numerics import brentq
-from rollbench.meshes.one_arc import free_contact_angle
 from rollbench.meshes.ranges import ShareOfLoadRating
 from rollbench.meshes.section import MERGE
+from rollbench.meshes.stated import evenly_spaced_azimuths, free_contact_angle
 
 
 def scene_from_keys(keys: schema.SceneKeys, name: str) -> parts.Scene:

@@ -16,7 +16,8 @@ from rollbench.compare.scenes.key_checks import groove_definition_faults
 from rollbench.compare.scenes.keys import SceneFileTable, key
 from rollbench.lowfi.friction.screw.groove import Mode, ScrewGroove
 from rollbench.meshes.ranges import Coefficient, ContactAngle, Deviation, Lead, Modulus, QuantityRange, Radius
-from rollbench.meshes.scene_text import Table, groove_table, with_unit
+from rollbench.meshes.scene_text import Table, with_unit
+from rollbench.meshes.stated import groove_table
 
 
 class FrictionSceneKeys(scenes_keys.TitleKeys):
