@@ -5,9 +5,9 @@ from contextlib import closing
 from rollbench.compare.reference.parallel import run_jobs
 
 
-def run(jobs, backend="joblib", scheduler=None, workers=None, step=lambda _: None, wait=None):
+def run(jobs, backend="joblib", scheduler=None, workers=None, step=lambda _: None):
     results = [None] * len(jobs)
-    with closing(run_jobs(jobs, backend, scheduler, workers, wait)) as finished:
+    with closing(run_jobs(jobs, backend, scheduler, workers)) as finished:
         for done, (number, result) in enumerate(finished, start=1):
             results[number] = result
             step(f"job {number + 1} done, {done} of {len(jobs)}")

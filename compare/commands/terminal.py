@@ -56,7 +56,6 @@ Verbose = Annotated[bool, Parameter(name=("--verbose", "--assumptions"), negativ
 Names = Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")]
 #: Help texts of the options for parallel runs.
 WORKERS = "Number of parallel runs; 3D runs need 1 to 3 GB each. Default: 1 (report: 2); on a cluster, all its workers."
-WAIT = "Seconds to wait until a worker of the cluster is free. Default: 60."
 #: Type of the option that prints the results as JSON.
 Json = Annotated[bool, Parameter(name="--json", negative="", show_default=False, help="Print exactly one JSON value.")]
 
@@ -109,7 +108,6 @@ class ComputeOptions:
     ] = "joblib"
     scheduler: Annotated[str | None, Parameter(help="Address of the Dask scheduler.")] = None
     workers: Annotated[int | None, Parameter(help=WORKERS)] = None
-    wait_workers: Annotated[float | None, Parameter(help=WAIT)] = None
 
 
 def engine_from_options(where: ComputeOptions | None, local_workers: int | None = None) -> ComputingSettings:
@@ -122,7 +120,7 @@ def engine_from_options(where: ComputeOptions | None, local_workers: int | None 
 
     where = where or ComputeOptions()
     workers = local_workers if where.workers is None and where.scheduler is None else where.workers
-    return ComputingSettings(where.backend, where.scheduler, workers, cache_folder(), where.wait_workers)
+    return ComputingSettings(where.backend, where.scheduler, workers, cache_folder())
 
 
 def cache_folder() -> Path | None:

@@ -154,8 +154,7 @@ def _run_jobs(
             more = "starting more processes takes longer"
             show_progress(f"one process: the remaining {noun} take about {left:.1f} s; {more}")
             workers = 1
-    where = engine.backend, engine.scheduler_address, workers, engine.worker_wait_seconds
-    for number, result in parallel.run_jobs(jobs[here:], *where):
+    for number, result in parallel.run_jobs(jobs[here:], engine.backend, engine.scheduler_address, workers):
         yield here + number, result
 
 

@@ -169,8 +169,6 @@ class ComputingSettings:
     parallel_jobs: int | None = None
     #: Folder in which meshes and condensed parts are cached; None: no cache.
     cache_folder: Path | None = None
-    #: Time to wait for a worker of the cluster [s]; None: the default of `parallel.run_jobs`.
-    worker_wait_seconds: float | None = None
 
     @property
     def processes_per_job(self) -> int:
@@ -392,9 +390,7 @@ def ensure_runs_are_stored(
 
     threading.Thread(target=report_progress_regularly, daemon=True).start()
     try:
-        for number, outcome in parallel.run_jobs(
-            jobs, engine.backend, engine.scheduler_address, engine.parallel_jobs, engine.worker_wait_seconds
-        ):
+        for number, outcome in parallel.run_jobs(jobs, engine.backend, engine.scheduler_address, engine.parallel_jobs):
             record_finished_task(number, outcome)
     except KeyboardInterrupt:
         if output_closed():

@@ -39,8 +39,6 @@ PATIENCE = 5.0
 LONELY = 60.0
 #: Interval at which the state of the cluster is checked, and interval at which finished jobs are looked for [s].
 LOOK, BLINK = 1.0, 0.02
-#: Time without reply of a connected scheduler after which it counts as lost [s].
-SILENCE = 120.0
 #: Advice in the error message when the scheduler or the workers of a cluster were lost.
 AGAIN = "find out what ended the cluster, restart it, and repeat the command; stored runs are not computed again"
 #: Advice in the error message about workers of a cluster without rollbench.
@@ -51,11 +49,7 @@ _ALONE = threading.Lock()
 
 
 def run_jobs(
-    jobs: Sequence[Job],
-    backend: str = "joblib",
-    scheduler: str | None = None,
-    workers: int | None = None,
-    worker_wait_seconds: float | None = None,
+    jobs: Sequence[Job], backend: str = "joblib", scheduler: str | None = None, workers: int | None = None
 ) -> Generator[tuple[int, Any], None, None]:
     """Run independent jobs and yield each result as soon as it is available.
 
@@ -71,8 +65,6 @@ def run_jobs(
         Address of the scheduler of a cluster; None: a cluster is started on this machine.
     workers
         Number of jobs that run at the same time; None: one on this machine, or one on each worker of a scheduler.
-    worker_wait_seconds
-        Time to wait for a worker of the scheduler [s]; None: `LONELY`.
 
     Yields
     ------
@@ -94,29 +86,22 @@ def run_jobs(
         raise ArgumentError("workers", str(workers), "1 or more", "choose as many as the memory allows")
     if scheduler is not None and backend != "dask":
         raise ArgumentError("scheduler", scheduler, "only with `backend=dask`", "add `backend=dask`")
-    if worker_wait_seconds is not None and scheduler is None:
-        raise ArgumentError("wait_workers", f"{worker_wait_seconds:g}", "only with `scheduler`", "leave `wait_workers` out")
-    if worker_wait_seconds is not None and not 0.0 <= worker_wait_seconds <= 1e6:
-        raise ArgumentError("wait_workers", f"{worker_wait_seconds:g}", "0 to 1e6 seconds", "write 600 for ten minutes")
     calls = [job if isinstance(job, tuple) else (job, ()) for job in jobs]
     if backend == "joblib" and (workers or 1) == 1:
         return ((number, function(*arguments)) for number, (function, arguments) in enumerate(calls))
-    return _run_in_workers(
-        calls, backend, scheduler, workers or 0, LONELY if worker_wait_seconds is None else worker_wait_seconds
-    )
+    return _run_in_workers(calls, backend, scheduler, workers or 0)
 
 
 def _run_in_workers(
-    calls: list[tuple[Callable[..., Any], Sequence[Any]]], backend: str, scheduler: str | None, workers: int, wait: float
+    calls: list[tuple[Callable[..., Any], Sequence[Any]]], backend: str, scheduler: str | None, workers: int
 ) -> Generator[tuple[int, Any], None, None]:
     """Run jobs in other processes or on a cluster, and yield number (from 0) and result of each.
 
     ``calls``: function and arguments of each job; ``backend``, ``scheduler``: as for `run_jobs`; ``workers``: number of
-    simultaneous jobs (0: as many as the cluster has workers); ``wait``: time to wait for a worker [s]. The exception of a
-    job is raised here.
+    simultaneous jobs (0: as many as the cluster has workers). The exception of a job is raised here.
     """
     asked = [(number, __version__, *call) for number, call in enumerate(calls)]
-    answers = _run_on_cluster(asked, scheduler, workers, wait) if backend == "dask" else _run_in_processes(asked, workers)
+    answers = _run_on_cluster(asked, scheduler, workers) if backend == "dask" else _run_in_processes(asked, workers)
     with closing(answers):
         for number, good, packed in answers:
             value = pickle.loads(packed)
@@ -139,8 +124,9 @@ def _run_job(number: int, version: str, function: Callable[..., Any], arguments:
     with _ALONE:
         try:
             if version != __version__:
-                late = f"a worker with rollbench {__version__}, which joined the cluster during the computation"
-                raise _version_mismatch_error(late, version)
+                advice = f"install version {version} where the workers run"
+                other = f"a worker of rollbench {__version__}"
+                raise ArgumentError("scheduler", other, f"workers of rollbench {version}", advice)
             return number, True, cloudpickle.dumps(function(*arguments))
         except Exception as error:
             note = f"In a worker: {traceback.format_exc()}"
@@ -180,21 +166,19 @@ def _run_in_processes(requests: Sequence[Asked], workers: int) -> Generator[Answ
                 answers.close()
 
 
-def _run_on_cluster(
-    requests: Sequence[Asked], scheduler: str | None, workers: int, wait: float
-) -> Generator[Answer, None, None]:
+def _run_on_cluster(requests: Sequence[Asked], scheduler: str | None, workers: int) -> Generator[Answer, None, None]:
     """Run jobs on a Dask cluster, and yield the workers' replies as they arrive; closing cancels the remaining jobs.
 
     ``requests``: requests to the workers; ``scheduler``: address; None: a cluster is started on this machine; ``workers``:
-    number of simultaneous jobs; 0: no limit; ``wait``: time to wait for a worker [s]. The scheduler gets all jobs at once,
-    or as many as may run at the same time. It assigns them to workers as these join. From the number of waiting jobs, a
-    cluster of adaptive size decides how many workers to start.
+    number of simultaneous jobs; 0: no limit. The scheduler gets all jobs at once, or as many as may run at the same time.
+    It assigns them to workers as these join. From the number of waiting jobs, a cluster of adaptive size decides how many
+    workers to start. The Dask backend of joblib waits for ever where a worker dies, so that it is not used.
     """
     with _connect_to_cluster(scheduler, workers) as client:
         from distributed import KilledWorker, as_completed
 
         left, running = deque(requests), 0
-        looks = _check_cluster_repeatedly(client, scheduler or "a cluster on this machine", wait)
+        looks = _check_cluster_repeatedly(client, scheduler or "a cluster on this machine")
         next(looks)  # before the first job, so that a worker that this job kills is counted
         looked = monotonic()
         done = as_completed([], loop=client.loop)
@@ -220,34 +204,31 @@ def _run_on_cluster(
             raise ArgumentError("scheduler", place, "workers with rollbench", INSTALL) from error
 
 
-def _check_cluster_repeatedly(client: Any, place: str, wait: float) -> Iterator[None]:
+def _check_cluster_repeatedly(client: Any, place: str) -> Iterator[None]:
     """Yield after each check that a Dask cluster has workers and its scheduler answers.
 
     ``client``: Dask client of the cluster; ``place``: address of the scheduler, for messages. InputError if no worker joins
-    within ``wait`` seconds, at the beginning or after the last one was lost, or if the scheduler no longer answers.
+    within `LONELY` seconds, at the beginning or after the last one was lost, or if the scheduler no longer answers.
     """
-    alone, silent, had_workers = 0.0, 0.0, False
+    alone, had_workers = 0.0, False
     while True:
         try:
             workers = len(client.sync(client.scheduler.identity, callback_timeout=PATIENCE)["workers"])
-            silent = 0.0
-        except TimeoutError as error:  # the scheduler may be busy
-            silent += PATIENCE
-            if silent > SILENCE:
-                raise _lost_cluster_error(f"{place}: the scheduler has not answered for {SILENCE:g} s") from error
+        except TimeoutError:  # the scheduler is busy
+            pass
         except Exception as error:  # any error of a closed connection
             raise _lost_cluster_error(f"{place}: the scheduler no longer answers ({type(error).__name__})") from error
         else:
             had_workers = had_workers or workers > 0
             if workers == 0 and alone == 0.0:
-                for_one = f"waiting {wait:g} s for {'another' if had_workers else 'a worker'}"
+                for_one = f"waiting {LONELY:g} s for {'another' if had_workers else 'a worker'}"
                 sys.stderr.write(f"rollbench: {place}: {'the last worker was lost; ' * had_workers}{for_one}\n")
             alone = 0.0 if workers else alone + LOOK
-            if alone > wait:
+            if alone > LONELY:
                 if had_workers:
-                    raise _lost_cluster_error(f"{place}: the last worker was lost, and no other joined within {wait:g} s")
-                start = f"start workers with: dask worker {place}; if they need more time, use `wait_workers=600`"
-                raise _unusable_cluster_error(place, f"no workers within {wait:g} s", start)
+                    raise _lost_cluster_error(f"{place}: the last worker was lost, and no other joined within {LONELY:g} s")
+                reason, advice = f"no workers within {LONELY:g} s", f"start workers with: dask worker {place}"
+                raise _unusable_cluster_error(place, reason, advice)
         yield
 
 
@@ -294,24 +275,10 @@ def _connect_to_cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
                 raise _unusable_cluster_error(place, f"no answer of a scheduler ({type(error).__name__})", start) from error
         client = stack.enter_context(Client(address, timeout=PATIENCE, set_as_default=False))
         try:
-            versions = set(
-                client.run(_rollbench_version).values()
-            )  # versions of the present workers; `_run_job` checks those that join later
+            client.run(_rollbench_version)
         except Exception as error:
             raise _unusable_cluster_error(place, f"workers without rollbench ({error})", INSTALL) from error
-        if versions - {__version__}:
-            others = ", ".join(sorted(versions))
-            raise _version_mismatch_error(f"{place}: workers of rollbench {others}", __version__)
         yield client
-
-
-def _version_mismatch_error(value: str, version: str) -> InputError:
-    """Return the error to raise for cluster workers with another version of rollbench than ``version``.
-
-    ``value``: description of these workers with their version.
-    """
-    advice = f"install version {version} where the workers run"
-    return ArgumentError("scheduler", value, f"workers of rollbench {version}", advice)
 
 
 def _scheduler_answers(scheduler: str) -> bool:
@@ -336,5 +303,5 @@ async def _try_connection(scheduler: str) -> None:
 
 
 def _rollbench_version() -> str:
-    """Return the version of this program; called on the workers of a cluster."""
+    """Return the version of this program; called on the workers of a cluster, which fails where they have no rollbench."""
     return __version__

@@ -456,8 +456,7 @@ def find_or_compute_rolling_runs(
     found = {} if fresh else {k: run for k in levels if (run := load_rolling_run(scene, k, stores, bodies)) is not None}
     missing = [k for k in levels if k not in found]
     jobs = [(compute_run, (scene, k, bodies, engine.processes_per_job)) for k in missing]
-    where = engine.backend, engine.scheduler_address, engine.parallel_jobs, engine.worker_wait_seconds
-    for number, run in run_jobs(jobs, *where):
+    for number, run in run_jobs(jobs, engine.backend, engine.scheduler_address, engine.parallel_jobs):
         save_rolling_run(store, scene, run)
         found[missing[number]] = run
         cells = f"{run.shape[0]} x {run.shape[1]} cells"

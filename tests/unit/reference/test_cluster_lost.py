@@ -1,7 +1,5 @@
-"""A Dask cluster that is lost while jobs run: the last worker, the scheduler; and one that speaks TLS only."""
+"""A Dask cluster that is lost while jobs run: the last worker, or the scheduler."""
 
-import copy
-import shutil
 import subprocess
 import sys
 import threading
@@ -15,7 +13,6 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.reference import parallel
 
 distributed = pytest.importorskip("distributed")
-dask = pytest.importorskip("dask")
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
 
 
@@ -96,30 +93,3 @@ def test_a_last_worker_that_is_lost_ends_the_jobs_after_a_stated_wait(worker, mo
 def test_a_scheduler_that_is_lost_is_named(cluster, monkeypatch, tmp_path):
     monkeypatch.setattr(parallel, "PATIENCE", 2.0)
     lose(*cluster, tmp_path / "begun", "the scheduler no longer answers")
-
-
-@pytest.fixture
-def certificates(tmp_path):
-    """A certificate of its own authority, with key, for the loopback."""
-    if shutil.which("openssl") is None:
-        pytest.skip("needs openssl to make a certificate")
-    cert, key = str(tmp_path / "cert.pem"), str(tmp_path / "key.pem")
-    words = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1", "-subj", "/CN=127.0.0.1"]
-    subprocess.run([*words, "-keyout", key, "-out", cert], check=True, capture_output=True)
-    return cert, key
-
-
-def test_jobs_run_over_tls(certificates, monkeypatch):
-    for name, value in [*dask.config.config.items()]:  # encryption must not be asked of clusters of later tests
-        monkeypatch.setitem(dask.config.config, name, copy.deepcopy(value))
-    (cert, key), files = certificates, dict(zip(("cert", "key"), certificates, strict=True))
-    each = {f"tls_{who}_{what}": file for who in ("scheduler", "worker", "client") for what, file in files.items()}
-    security = distributed.Security(tls_ca_file=cert, require_encryption=True, **each)
-    options = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": "127.0.0.1:0"}
-    with distributed.LocalCluster(**options, protocol="tls://", host="127.0.0.1", security=security) as local:
-        assert local.scheduler_address.startswith("tls://")
-        with pytest.raises(InputError, match="no answer of a scheduler"):
-            run([(sleepy, (0.0,))], "dask", local.scheduler_address)
-        tls = "distributed.comm.tls"
-        dask.config.set({f"{tls}.ca-file": cert, f"{tls}.client.cert": cert, f"{tls}.client.key": key})
-        assert run([(sleepy, (0.01,)), (sleepy, (0.02,))], "dask", local.scheduler_address) == [0.01, 0.02]
