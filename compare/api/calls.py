@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from rollbench.compare.errors import ArgumentError, show_file_in_scene_errors
-from rollbench.compare.results.data import Ensemble, Friction, friction_record_from_json
+from rollbench.compare.results.data import Ensemble, Friction
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import scene_or_shaft_or_raise, scenes_to_solve
@@ -416,8 +416,7 @@ def friction(scene: Described | str | Path, *, mu: float | Sequence[float] = (),
     coefficients = (mu,) if isinstance(mu, (Real, float, str)) else tuple(mu)
     for one in coefficients:
         _check_numbers(mu=one)
-    found = solve.solve_friction_of_scene(described, FrictionChoices(model, coefficients), described.name)
-    return friction_record_from_json(solve.friction_answer_json(found))
+    return solve.solve_friction_of_scene(described, FrictionChoices(model, coefficients), described.name).record
 
 
 @limited_to_one_thread()

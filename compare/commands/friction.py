@@ -94,19 +94,18 @@ def solve_and_report_friction(
     The exit code is 1 if the computation did not converge or reached the time limit, and, with ``strict``, if there is a
     warning.
     """
-    from rollbench.compare.results.base import add_schema_version
-    from rollbench.compare.results.data import friction_record_from_json
     from rollbench.compare.running import checked_time_limit, watch_running_time
-    from rollbench.compare.studies.friction.solve import friction_answer_json, solve_friction_of_named_scene
+    from rollbench.compare.studies.friction.solve import solve_friction_of_named_scene
 
     if plot is not None:
         check_plot_file(plot)
     with watch_running_time(f"{one_line(name)}, friction", checked_time_limit(time_limit)):
         found = solve_friction_of_named_scene(name, choices)
-    code = 1 if not found.converged or (strict and found.warning) else 0
-    parts, data = friction_terminal_parts(found, balls=balls, details=details), friction_answer_json(found)
-    parts += [] if plot is None else [write_plot(plot, friction_record_from_json(data))]
-    return CommandOutput(add_schema_version(data), parts, code, wrap_always=True)
+    record = found.record
+    code = 1 if not record.converged or (strict and record.warning) else 0
+    parts = friction_terminal_parts(found, balls=balls, details=details)
+    parts += [] if plot is None else [write_plot(plot, record)]
+    return CommandOutput(record.to_dict(), parts, code, wrap_always=True)
 
 
 def friction_terminal_parts(answer: FrictionAnswer, *, balls: bool = False, details: bool = False) -> list[RenderableType]:
@@ -120,11 +119,11 @@ def friction_terminal_parts(answer: FrictionAnswer, *, balls: bool = False, deta
     from rollbench.compare.studies.friction.answer import ALWAYS, BEHIND
     from rollbench.compare.text.solved import warning_and_note_lines
 
-    data = answer.data
-    drawn = "" if data.get("member") is None else f", specimen {data['member']} of its random errors"
-    parts: list[Any] = [f"{data['scene']}{drawn}, {data['kind']}: {data['status']}", data["title"]]
-    parts += [*filter(None, [answer.warning])]
-    if rows := friction_rows(data):
+    found = answer.record
+    drawn = "" if found.member is None else f", specimen {found.member} of its random errors"
+    parts: list[Any] = [f"{found.scene}{drawn}, {found.kind}: {found.reason}", found.title]
+    parts += [*filter(None, [found.warning])]
+    if rows := friction_rows(found):
         parts += ["", format_table_as_text(rows, text_width()), ""]
     if lines := [
         f"{label:<10}{text}" for label, text in answer.lines if details or label in ALWAYS or not (rows or label in BEHIND)
@@ -134,6 +133,5 @@ def friction_terminal_parts(answer: FrictionAnswer, *, balls: bool = False, deta
         parts += [selected_columns_table(title, columns, body), ""]
     if answer.ball_tables and not balls:
         parts.append("--balls also shows motion, loads and losses of every ball")
-    warnings = [w for w in data.get("warnings", ()) if w.brief != w]  # without those that are printed above
-    assumed, left_out = data.get("assumed", ()), data.get("left_out", ())
-    return [*parts, *warning_and_note_lines(warnings, (), assumed, left_out, details=details)]
+    warnings = [w for w in found.warnings if w.brief != w]  # without those that are printed above
+    return [*parts, *warning_and_note_lines(warnings, (), found.assumed, found.left_out, details=details)]

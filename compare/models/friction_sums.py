@@ -1,4 +1,4 @@
-"""Friction torques and efficiencies of a ball screw or bearing, summed over its contacts, as JSON values."""
+"""Friction torques and efficiencies of a ball screw or bearing, summed over its contacts."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rollbench.compare.quantities import json_number
+from rollbench.compare.models.friction_torques import FrictionTorques
 from rollbench.lowfi.friction.whole.torque import ONE_TURN, FrictionSums
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.cache import each_cached_on_disk
@@ -17,30 +17,38 @@ if TYPE_CHECKING:
     from rollbench.lowfi.friction.whole.state import FrictionCase
 
 
-def friction_results_json(torque: FrictionSums, drag_torque: float | None) -> dict[str, Any]:
-    """Return friction and driving torques about +z [N mm], axial load [N] and efficiencies [%] as JSON values.
+def friction_torques(sums: FrictionSums, drag_torque: float | None) -> dict[str, Any]:
+    """Return the fields of `FrictionTorques` of a whole screw or bearing.
 
-    ``torque``: torques and efficiencies of the whole screw or bearing; ``drag_torque``: drag torque without load [N m],
-    None if it is not known. Values that are not defined, such as the efficiency of a bearing, are None.
+    ``sums``: its torques and efficiencies; ``drag_torque``: drag torque without load [N m], None if it is not known.
     """
-    screw, ideal = torque.moves_axial_load, torque.advance_per_radian != 0.0
-    forward, backward = torque.efficiency
+    screw, ideal = sums.moves_axial_load, sums.advance_per_radian != 0.0
+    forward, backward = (None if math.isnan(x) else float(x) for x in sums.efficiency)
+    on_nut = math.copysign(sums.friction_torque, sums.speed)
     return {
-        "friction_torque_Nmm": json_number(1e3 * torque.friction_torque),
-        "friction_torque_on_screw_Nmm": json_number(-math.copysign(1e3 * torque.friction_torque, torque.speed)),
-        "friction_torque_on_nut_Nmm": json_number(math.copysign(1e3 * torque.friction_torque, torque.speed)),
-        "reverse_friction_torque_Nmm": json_number(1e3 * torque.reverse_power / abs(torque.speed)),
-        "drag_torque_Nmm": None if drag_torque is None else json_number(1e3 * drag_torque),
-        "axial_load_N": json_number(torque.axial_load) if screw or not ideal else 0.0,
-        "driving_torque_on_screw_Nmm": json_number(1e3 * torque.driving_torque_on_screw),
-        "driving_torque_on_nut_Nmm": json_number(-1e3 * torque.driving_torque_on_screw),
-        "load_moves": motion_relative_to_load(torque),
-        "forward_torque_Nmm": json_number(1e3 * torque.forward_torque) if screw else None,
-        "backward_torque_Nmm": json_number(1e3 * torque.backward_torque) if screw else None,
-        "efficiency_forward_percent": json_number(100.0 * forward),
-        "efficiency_backward_percent": None if torque.is_self_locking else json_number(100.0 * backward),
-        "self_locking": torque.is_self_locking if screw else None,
+        "torque": sums.friction_torque,
+        "reverse_torque": sums.reverse_power / abs(sums.speed),
+        "torque_on_screw": -on_nut,
+        "torque_on_nut": on_nut,
+        "drag_torque": drag_torque,
+        "axial_load": sums.axial_load if screw or not ideal else 0.0,
+        "driving_torque_on_screw": sums.driving_torque_on_screw,
+        "driving_torque_on_nut": -sums.driving_torque_on_screw,
+        "load_moves": motion_relative_to_load(sums),
+        "forward_torque": sums.forward_torque if screw else None,
+        "backward_torque": sums.backward_torque if screw else None,
+        "efficiency_forward": forward,
+        "efficiency_backward": None if sums.is_self_locking else backward,
+        "self_locking": sums.is_self_locking if screw else None,
     }
+
+
+def friction_results_json(sums: FrictionSums, drag_torque: float | None) -> dict[str, Any]:
+    """Return friction and driving torques [N mm], axial load [N] and efficiencies [%] as JSON values.
+
+    ``sums``, ``drag_torque``: see `friction_torques`.
+    """
+    return FrictionTorques(**friction_torques(sums, drag_torque)).torques_as_json()
 
 
 def motion_relative_to_load(torque: FrictionSums) -> str | None:

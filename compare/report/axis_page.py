@@ -12,10 +12,9 @@ from rollbench.compare.errors import InputError, SceneNotCoveredError
 from rollbench.compare.models.model_form import ExpectedError
 from rollbench.compare.models.set_results import SetResult
 from rollbench.compare.report import parts as report_parts
-from rollbench.compare.results.data import friction_record_from_json
 from rollbench.compare.results.rows import bearing_and_nut_rows, expected_error_sentence, friction_rows
 from rollbench.compare.results.solved import Result
-from rollbench.compare.studies.friction.solve import friction_answer_json, solve_friction_of_scene
+from rollbench.compare.studies.friction.solve import solve_friction_of_scene
 from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.lowfi.rating.contacts import RACES, WorstContact
 from rollbench.meshes.axis import Assembly
@@ -138,12 +137,12 @@ def _friction_sections(scene: Assembly) -> Iterator[Section]:
         return
     title = "Friction torque and losses"
     try:
-        data = friction_answer_json(solve_friction_of_scene(scene, FrictionChoices(), scene.name))
+        found = solve_friction_of_scene(scene, FrictionChoices(), scene.name).record
     except InputError as error:  # a nut that turns
         yield Section("friction", title, [Text((f"Friction was not computed: {error}.",))])
         return
-    figure = friction_record_from_json(data).figure()
-    table = report_parts.results_table(friction_rows(data), "Torques, efficiency and power lost", name="torques")
+    figure = found.figure()
+    table = report_parts.results_table(friction_rows(found), "Torques, efficiency and power lost", name="torques")
     yield Section("friction", title, [table, *filter(None, [figure])])
 
 

@@ -501,7 +501,7 @@ def report(
         warned = tuple(f"WARNING: {warning}" for page in pages for warning in page.warnings)
         verdict = "\n".join(page.verdict for page in pages)
         data: dict[str, JSON] = {"page": str(index), "passed": True, "verdict": verdict}
-        return Written(data, "", (*warned, *verdict.split("\n")), page=index, passed=True, verdict=verdict)
+        return Written(data, (*warned, *verdict.split("\n")), page=index, passed=True, verdict=verdict)
     if reference is not None:
         advice = "name the scene to which the reference belongs"
         raise ArgumentError("reference", str(reference), "only with a scene", advice)
@@ -510,5 +510,5 @@ def report(
     answer = write_validation_report(only, folder, store=Path(store), say=LOG.info, **how)
     passed = answer.exit_code == 0
     return Written(
-        {"page": str(index), "passed": passed}, "", tuple(map(str, answer.texts_and_tables)), page=index, passed=passed
+        {"page": str(index), "passed": passed}, tuple(map(str, answer.texts_and_tables)), page=index, passed=passed
     )

@@ -3,54 +3,48 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field
+from functools import reduce
 from pathlib import Path
-from typing import Any, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from rollbench.compare.quantities import fields_from_json, name_and_unit_of_key, record_as_json
+from rollbench.compare.models.friction_torques import FrictionTorques
+from rollbench.compare.quantities import json_number, name_and_unit_of_key, quantities_of_record, record_as_json
 from rollbench.compare.results.base import JSON, Record, TabularRecord, add_schema_version
+from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 from rollbench.reports.content import Figure, Panel, Series
 
+if TYPE_CHECKING:
+    from rollbench.compare.models.load_cases import AxisDrive
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Data(Record):
-    """Result of a library function; it contains the JSON output of the command of the same name."""
 
-    values: Mapping[str, JSON]
-    """JSON values that the command prints, without the version number of the output."""
-    shown: str = ""
-    """Key of the part of `values` that the table shows, such as ``torque``; if empty, the table shows all values."""
-    notes: tuple[str, ...] = ()
-    """Sentences printed below the table."""
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class InOrderOfKeys:
+    """Record whose JSON depends on the kind of the scene: a list of keys, each with its value or that of a field."""
 
-    def to_dict(self) -> dict[str, JSON]:
-        """Return the result as a dictionary, as the command of the same name prints it with ``--json``.
+    entries: Mapping[str, Any] = field(repr=False)
+    """Entries of the JSON in their order, by keys joined by dots; ``...`` stands for the field with this key."""
 
-        Returns
-        -------
-        dict
-            JSON values by key; the first key, ``schema``, has the version number of the JSON format.
-        """
-        return add_schema_version(self.values)
+    def as_json(self) -> dict[str, Any]:
+        """Return the entries as JSON."""
+        kind: Any = type(self)
+        known = quantities_of_record(kind)
+        out: dict[str, Any] = {}
+        for key, value in self.entries.items():
+            *tables, last = key.split(".")
+            inner = reduce(lambda at, name: at.setdefault(name, {}), tables, out)
+            inner[last] = known[key].value(self) if value is ... else value
+        return out
 
-    @property
-    def _shown_path(self) -> str:
-        """Key of the part of the JSON that the table shows; empty for the whole JSON."""
-        return self.shown
 
-    @property
-    def _notes(self) -> tuple[str, ...]:
-        """Sentences printed below the table."""
-        return self.notes
-
-    def __repr__(self) -> str:
-        """Return the first five lines of the table."""
-        return "\n".join(str(self).splitlines()[:5])
+def rows_as_json(rows: Iterable[Any] | None) -> list[dict[str, Any]] | None:
+    """Return the JSON of each of several records; None if there are none for the kind of scene."""
+    return None if rows is None else [row.as_json() for row in rows]
 
 
 #: A value for each groove flank of a ball, by the flank's name SL, SR, NL or NR; None without contact.
@@ -60,7 +54,7 @@ FlankPairs: TypeAlias = Mapping[str, Sequence[float | None]]
 
 
 @result_record(kw_only=True)
-class FrictionBall:
+class FrictionBall(InOrderOfKeys):
     """Motion of one ball of a screw or bearing, and the friction in its contacts.
 
     A field is None if the quantity does not exist for this kind of scene.
@@ -70,21 +64,28 @@ class FrictionBall:
     """Number of the nut or bearing on the shaft, from 1; None for a single one."""
     index: int = quantity_field("index")
     """Number of the ball along its track, from 1."""
-    orbit: float | None = quantity_field("orbit_rad_s", "speed of the ball's centre about the axis")
-    rotation: Sequence[float] | None = quantity_field(
-        "rotation_rad_s", "rotation of the ball about its centre: across, along, normal to its track", parts="[]"
+    orbit: float | None = quantity_field("orbit_rad_s", "speed of the ball's centre about the axis", default=None)
+    rotation: Sequence[float | None] | None = quantity_field(
+        "rotation_rad_s",
+        "rotation of the ball about its centre: across, along, normal to its track",
+        parts="[]",
+        default=None,
     )
-    closing: float | None = quantity_field("closing_mm_s", "speed at which the gap to the next ball closes")
+    closing: float | None = quantity_field("closing_mm_s", "speed at which the gap to the next ball closes", default=None)
     sliding: FlankPairs | None = quantity_field(
-        "sliding_mm_s", "sliding speed at the contact's centre, across and along the groove", parts=".FLANK[]"
+        "sliding_mm_s", "sliding speed at the contact's centre, across and along the groove", parts=".FLANK[]", default=None
     )
-    spin: Flanks | None = quantity_field("spin_rad_s", "rotation about the contact's normal", parts=".FLANK")
+    spin: Flanks | None = quantity_field("spin_rad_s", "rotation about the contact's normal", parts=".FLANK", default=None)
     force: FlankPairs | None = quantity_field(
-        "friction_N", "friction force on the ball, across and along the groove", parts=".FLANK[]"
+        "friction_N", "friction force on the ball, across and along the groove", parts=".FLANK[]", default=None
     )
-    moment: Flanks | None = quantity_field("moment_Nmm", "friction moment about the contact's normal", parts=".FLANK")
-    loss: Flanks | None = quantity_field("loss_mW", "power lost in the contact", parts=".FLANK")
-    at_rest: Mapping[str, bool] | None = quantity_field("at_rest", "whether the contact sticks", parts=".FLANK")
+    moment: Flanks | None = quantity_field(
+        "moment_Nmm", "friction moment about the contact's normal", parts=".FLANK", default=None
+    )
+    loss: Flanks | None = quantity_field("loss_mW", "power lost in the contact", parts=".FLANK", default=None)
+    at_rest: Mapping[str, bool] | None = quantity_field(
+        "at_rest", "whether the contact sticks", parts=".FLANK", default=None
+    )
 
 
 @result_record(kw_only=True)
@@ -169,11 +170,28 @@ class FrictionCases:
 
 
 @result_record(eq=False, repr=False, kw_only=True)
-class Friction(Data, TabularRecord):
+class FrictionOfSet(FrictionTorques):
+    """Friction of one nut or ball bearing on a shaft."""
+
+    set: int
+    """Number of the nut or bearing on the shaft, from 1."""
+    name: str
+    """Name of the nut or bearing."""
+    loss: float
+    """Power lost in its contacts [W]."""
+
+    def as_json(self) -> dict[str, Any]:
+        """Return number, name, torques, efficiencies and loss as JSON."""
+        torques = self.torques_as_json()
+        return {"set": self.set, "name": self.name, **torques, "loss_W": json_number(self.loss)}
+
+
+@result_record(eq=False, repr=False, kw_only=True)
+class Friction(InOrderOfKeys, FrictionTorques, TabularRecord):
     """Friction in a scene: motion of the balls, power losses [W], torques [N m] and efficiencies [1].
 
-    A field is None if the quantity does not exist for this kind of scene, or if no motion was found in which the contact
-    loads and the friction forces balance.
+    A field is None if the quantity does not exist for this kind of scene. If no motion was found in which the contact loads
+    and the friction forces balance (`converged` is false), values are those of the last iteration.
 
     Examples
     --------
@@ -183,92 +201,32 @@ class Friction(Data, TabularRecord):
     (5.27, 32, 2.763)
     """
 
-    scene: str
+    scene: str = quantity_field("scene")
     """Name of the scene."""
-    kind: str
-    """Kind of the scene, such as ball screw or bearing; empty if it has load cases."""
-    converged: bool
+    title: str = quantity_field("title")
+    """Title of the scene."""
+    kind: str = quantity_field("kind")
+    """Kind of the scene, such as ball screw or bearing."""
+    model: str | None = quantity_field("model", default=None)
+    """Model that computed the contact loads."""
+    member: int | None = quantity_field("member", default=None)
+    """Number of the specimen; None without random errors."""
+    case: str | None = quantity_field("case", default=None)
+    """Name of the load case."""
+    share: float | None = quantity_field("share", default=None)
+    """Share of the load case in all revolutions of its duty cycle."""
+    converged: bool = quantity_field("converged")
     """Whether a motion was found in which the contact loads and the friction forces balance."""
-    reason: str
+    reason: str = quantity_field("status")
     """The word "converged", or the reason why the computation did not converge."""
-    torque: float | None = quantity_field(
-        "torque.friction_torque_Nmm",
-        "torque of the friction forces only; it opposes the motion",
-        error="proportional to the coefficient",
-        heading="friction torque",
-        form="g3",
+    screw_coefficient: float | None = quantity_field(
+        "friction.screw", "coefficient of friction in the screw's groove", default=None
     )
-    reverse_torque: float | None = quantity_field(
-        "torque.reverse_friction_torque_Nmm",
-        "torque of the friction forces in the reversed motion",
-        error="that of the friction torque",
-        heading="friction torque, reversed",
-        form="g3",
+    nut_coefficient: float | None = quantity_field(
+        "friction.nut", "coefficient of friction in the nut's groove", default=None
     )
-    torque_on_screw: float | None = quantity_field(
-        "torque.friction_torque_on_screw_Nmm",
-        "friction torque that acts on the screw, with sign",
-        error="that of the friction torque",
-    )
-    torque_on_nut: float | None = quantity_field(
-        "torque.friction_torque_on_nut_Nmm",
-        "friction torque that acts on the nut, with sign",
-        error="that of the friction torque",
-    )
-    drag_torque: float | None = quantity_field(
-        "torque.drag_torque_Nmm",
-        "friction torque without the scene's external loads, from the preload only",
-        error="proportional to the coefficient",
-        heading="drag torque",
-        form="g3",
-    )
-    axial_load: float | None = quantity_field("torque.axial_load_N", "axial load against which the torque works")
-    driving_torque_on_screw: float | None = quantity_field(
-        "torque.driving_torque_on_screw_Nmm",
-        "torque that drives the screw in the stated motion",
-        error="friction's share of it",
-    )
-    driving_torque_on_nut: float | None = quantity_field(
-        "torque.driving_torque_on_nut_Nmm",
-        "torque that drives the nut in the stated motion",
-        error="friction's share of it",
-    )
-    load_moves: str | None = quantity_field("torque.load_moves", "whether the motion is with or against the axial load")
-    forward_torque: float | None = quantity_field(
-        "torque.forward_torque_Nmm",
-        "torque that moves the nut against the axial load: F l/(2 pi) + friction",
-        error="friction's share of it",
-        heading="torque against the load",
-        form="g3",
-    )
-    backward_torque: float | None = quantity_field(
-        "torque.backward_torque_Nmm",
-        "torque that the axial load delivers when it drives the screw: F l/(2 pi) - friction",
-        error="friction's share of it",
-        heading="torque with the load",
-        form="g3",
-    )
-    efficiency_forward: float | None = quantity_field(
-        "torque.efficiency_forward_percent",
-        "work done on the axial load, divided by the work of the driving torque",
-        error="1 - efficiency is proportional to the coefficient",
-        heading="efficiency against the load",
-        form="g3",
-    )
-    efficiency_backward: float | None = quantity_field(
-        "torque.efficiency_backward_percent",
-        "work of the torque that the screw delivers, divided by the work of the axial load",
-        error="1 - efficiency is proportional to the coefficient",
-        heading="efficiency with the load",
-        form="g3",
-    )
-    self_locking: bool | None = quantity_field(
-        "torque.self_locking", "whether the screw is self-locking: the axial load cannot turn it", heading="self-locking"
-    )
-    screw_coefficient: float | None = quantity_field("friction.screw", "coefficient of friction in the screw's groove")
-    nut_coefficient: float | None = quantity_field("friction.nut", "coefficient of friction in the nut's groove")
-    turns: str | None = quantity_field("motion.turns", "which part turns, such as screw or nut")
-    speed: float | None = quantity_field("motion.speed_rad_s", "speed of the part that turns")
+    turns: str | None = quantity_field("motion.turns", "which part turns, such as screw or nut", default=None)
+    speed: float | None = quantity_field("motion.speed_rad_s", "speed of the part that turns", default=None)
     loss: float | None = quantity_field(
         "losses.total_W",
         "power lost in all contacts",
@@ -289,31 +247,73 @@ class Friction(Data, TabularRecord):
             "friction torque if friction did not move the balls in their grooves, and the change due to that motion",
             parts=".*",
         ),
+        QuantityDescription("energy.loss_W"),
         heading="power lost",
         form="g3",
         note="at {speed_rpm} rpm",
+        default=None,
     )
     imbalance: float | None = quantity_field(
         "solver.friction_imbalance",
         "largest unbalanced force on a ball, friction included, divided by its load",
         QuantityDescription("solver.static_residual", "residual of the static equilibrium with friction forces"),
         QuantityDescription("solver.feedback_change", "change of the loads by friction in the last iteration"),
+        default=None,
     )
-    balls: tuple[FrictionBall, ...] = ()
+    balls: tuple[FrictionBall, ...] = quantity_field("balls", show=rows_as_json, default=())
     """Motion and friction of each ball; empty if the scene has load cases, or if its kind has no results for each ball."""
-    band: FrictionBand | None = None
+    sets: tuple[FrictionOfSet, ...] | None = quantity_field("sets", show=rows_as_json, default=None)
+    """Friction of each nut and ball bearing on a shaft."""
+    drive: AxisDrive | None = quantity_field("drive", default=None)
+    """Torques and moments of inertia at the motor of a feed axis."""
+    band: FrictionBand | None = quantity_field("band", default=None)
     """Torques over the range of measured coefficients of friction; None if they were not computed."""
-    onset: FrictionOnset | None = None
+    onset: FrictionOnset | None = quantity_field("onset", default=None)
     """Prediction whether neighbouring balls come into contact; None if balls overlap or do not fit into their circuits,
     and for several nuts or bearings on one shaft."""
-    play: FrictionPlay | None = None
+    play: FrictionPlay | None = quantity_field("play", default=None)
     """Effect of axial play; None if the scene states preload or play."""
-    warnings: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = quantity_field("assumed", default=())
+    """Assumptions of scene and model."""
+    left_out: tuple[str, ...] = quantity_field("left_out", default=())
+    """Neglected effects."""
+    warnings: tuple[ResultWarning, ...] = quantity_field("warnings", default=())
     """Warnings about results outside the models' range of validity."""
-    cases: Mapping[str, Friction] = field(default_factory=dict)
+    cases: Mapping[str, Friction] = quantity_field(
+        "cases", show=lambda cases: rows_as_json(cases.values()), default_factory=dict
+    )
     """Friction in each load case, by name; empty without load cases."""
-    together: FrictionCases | None = None
+    together: FrictionCases | None = quantity_field("summary", default=None)
     """Largest and mean friction torque over all load cases; None without load cases."""
+
+    @property
+    def warning(self) -> str:
+        """Short text of all warnings, which is shown above the results; may be empty."""
+        return join_brief_warnings(self.warnings)
+
+    def to_dict(self) -> dict[str, JSON]:
+        """Return the result as a dictionary, as ``rollbench friction --json`` prints it.
+
+        Returns
+        -------
+        dict
+            JSON values by key; the first key, ``schema``, has the version number of the JSON format.
+        """
+        return add_schema_version(self.as_json() | {"warning": self.warning or None})
+
+    @property
+    def _shown_path(self) -> str:
+        """Key of the part of the JSON that the table shows; empty for the whole JSON."""
+        return "torque" if any(key.startswith("torque.") for key in self.entries) else ""
+
+    @property
+    def _notes(self) -> tuple[str, ...]:
+        """Sentences printed below the table."""
+        return self.warnings
+
+    def __repr__(self) -> str:
+        """Return the first five lines of the table."""
+        return "\n".join(str(self).splitlines()[:5])
 
     def frame_rows(self) -> Sequence[Mapping[str, Any]]:
         """Return a row for every ball, of each load case; without results for balls a row of the torques.
@@ -373,7 +373,7 @@ class Friction(Data, TabularRecord):
 
         ``case``: name of the load case.
         """
-        names = {row["set"]: row["name"] for row in cast("Sequence[Mapping[str, Any]]", self.values.get("sets", ()))}
+        names: dict[int | None, str] = {one.set: one.name for one in self.sets or ()}
         lost = [(ball.set, ball.index, ball.loss) for ball in self.balls if ball.loss is not None]
         sides = dict.fromkeys(side for _, _, loss in lost for side, value in loss.items() if value)
         for number in dict.fromkeys(number for number, _, _ in lost):
@@ -395,45 +395,6 @@ def _flat_columns(row: Mapping[str, Any], start: str = "") -> Iterator[tuple[str
             yield from _flat_columns({str(k): x for k, x in enumerate(value, 1)}, f"{start}{key}_")
         elif value is not None:
             yield f"{start}{key}", value
-
-
-def friction_record_from_json(data: Mapping[str, Any]) -> Friction:
-    """Convert the JSON of ``rollbench friction`` to a record.
-
-    Parameters
-    ----------
-    data
-        JSON of one scene, with the values of its load cases at the key ``cases``.
-
-    Returns
-    -------
-    Friction
-        The record, in SI units.
-    """
-    converged, warnings = bool(data.get("converged")), tuple(map(str, data.get("warnings", ())))
-    known = fields_from_json(Friction, data if converged else {})
-    for name in ("efficiency_forward", "efficiency_backward"):
-        known[name] = None if known[name] is None else 1e-2 * known[name]
-    if converged and known["loss"] is None:
-        known["loss"] = (data.get("energy") or {}).get("loss_W")
-    cases = {str(one["case"]): friction_record_from_json(one) for one in data.get("cases", ())}
-    return Friction(
-        values=data,
-        shown="torque" if data.get("torque") else "",
-        notes=warnings,
-        scene=str(data["scene"]),
-        kind=str(data.get("kind", "")),
-        converged=converged,
-        reason=str(data["status"]),
-        **known,
-        balls=tuple(FrictionBall(**fields_from_json(FrictionBall, row)) for row in data.get("balls", ()) if converged),
-        band=None if not data.get("band") else FrictionBand(**fields_from_json(FrictionBand, data["band"])),
-        onset=None if not data.get("onset") else FrictionOnset(**fields_from_json(FrictionOnset, data["onset"])),
-        play=None if not data.get("play") else FrictionPlay(**fields_from_json(FrictionPlay, data["play"])),
-        warnings=warnings,
-        cases=cases,
-        together=FrictionCases(**fields_from_json(FrictionCases, data.get("summary") or {})) if cases else None,
-    )
 
 
 #: Probabilities of the quantiles of an output.
@@ -689,13 +650,18 @@ class Ensemble(TabularRecord):
             )
 
 
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class Written(Data):
+@dataclass(frozen=True, eq=False, repr=False)
+class Written(Record):
     """Path of a report that `rollbench.report` wrote, with the verdict that the report gives on the scene.
 
     It is true if the report passed (`passed`).
     """
 
+    values: Mapping[str, JSON]
+    """JSON values that the command prints, without the version number of the output."""
+    notes: tuple[str, ...] = ()
+    """Sentences printed below the table."""
+    _: KW_ONLY
     page: Path
     """File of the report's first page."""
     passed: bool
@@ -707,3 +673,22 @@ class Written(Data):
     def __bool__(self) -> bool:
         """Whether the report passed, for ``assert rollbench.report(...)``."""
         return self.passed
+
+    def to_dict(self) -> dict[str, JSON]:
+        """Return the result as a dictionary, as ``rollbench report --json`` prints it.
+
+        Returns
+        -------
+        dict
+            JSON values by key; the first key, ``schema``, has the version number of the JSON format.
+        """
+        return add_schema_version(self.values)
+
+    @property
+    def _notes(self) -> tuple[str, ...]:
+        """Sentences printed below the table."""
+        return self.notes
+
+    def __repr__(self) -> str:
+        """Return the first five lines of the table."""
+        return "\n".join(str(self).splitlines()[:5])

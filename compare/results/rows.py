@@ -353,31 +353,28 @@ def quantity_value(record: Any, key: str) -> Any:
     return None if stated is None else stated.value(record)
 
 
-def friction_rows(data: Mapping[str, Any]) -> list[Row]:
+def friction_rows(found: Friction) -> list[Row]:
     """Return the table rows of the friction of a whole screw or bearing, or of several nuts or bearings on one shaft.
 
     Parameters
     ----------
-    data
-        JSON that ``rollbench friction`` prints.
+    found
+        The friction.
 
     Returns
     -------
     list[Row]
         The rows; empty for other kinds of scene.
     """
-    solved = data.get("torque") and data.get("sets", True)
-    torque = data["torque"] | {"losses": data.get("losses")} if solved else {}
-    if torque and data.get("motion"):
-        torque["speed_rpm"] = float(f"{abs(data['motion']['speed_rad_s']) * 30.0 / pi:.6g}")
-    band = data.get("band") and data["band"] | dict(zip(("least", "most"), data["band"]["coefficients"], strict=True))
-    groups: tuple[tuple[type, Any], ...] = (Friction, torque), (FrictionBand, band), (AxisDrive, data.get("drive"))
-    rows = [row for kind, table in groups for row in group_rows(kind, table or {})]
-    drive = data.get("drive")
-    if drive and drive["running_torque_Nmm"] is None:
-        words = "; ".join(dict.fromkeys(x["words"] for x in drive["sets"] if x["words"]))
-        rows.append(Row("motor torque, running", "not known", note=words))
-    return rows
+    torque = {} if found.sets == () else found.torques_as_json()
+    if torque and found.speed is not None:
+        torque |= {"losses": {"total_W": found.loss}, "speed_rpm": float(f"{abs(found.speed) * 30.0 / pi:.6g}")}
+    band = record_as_json(found.band) or {}
+    if band:
+        band |= dict(zip(("least", "most"), band["coefficients"], strict=True))
+    groups = (Friction, torque), (FrictionBand, band), (AxisDrive, record_as_json(found.drive) or {})
+    rows = [row for kind, table in groups for row in group_rows(kind, table)]
+    return [*rows, *_missing_value_rows("drive", found)]
 
 
 def duty_cycle_rows(cycle_results: DutyCycleResults) -> list[Row]:

@@ -10,7 +10,7 @@ import pytest
 from rollbench.compare.gate.verdict import Judgement, VerdictRow
 from rollbench.compare.measure import LoadError
 from rollbench.compare.results.base import TabularRecord
-from rollbench.compare.results.data import Ensemble, Statistics
+from rollbench.compare.results.data import Ensemble, Friction, FrictionBall, Statistics
 from rollbench.compare.results.mesh_study import MeshLevel, MeshQuantity, MeshStudy
 from rollbench.compare.results.table import Over, Table, TableRow
 from rollbench.compare.results.verdict import Verdict
@@ -35,8 +35,23 @@ CONTACT = {"index": 1, "side": "SL", "mean_N": 2.0}
 LEVEL = MeshLevel(1, 2.0, 3, 4.0, 5.0, 6.0, {"cells": 7.0})
 QUANTITY = MeshQuantity("largest load, SL", "N", (1, 3), (8.0, 9.0), 1.0, 2.0, 3.0, {"uncertainty_percent": 4.0})
 SCREW = {"screw": 3, "status": "converged", "largest_percent": 5.0, "rms_percent": 6.0, "verdict": "pass"}
+OF_BALL = ("index", "orbit_rad_s", "loss_mW")
+BALL = FrictionBall(index=1, orbit=2.0, loss={"SL": 3.0}, entries=dict.fromkeys(OF_BALL, ...))
+OF_FRICTION = ("scene", "torque.friction_torque_Nmm", "torque.efficiency_forward_percent", "losses.total_W", "balls")
 
 ANSWERS = (
+    Friction(
+        scene="a",
+        title="",
+        kind="ball screw",
+        converged=True,
+        reason="converged",
+        torque=1.0,
+        efficiency_forward=0.5,
+        loss=2.0,
+        balls=(BALL, replace(BALL, index=2)),
+        entries=dict.fromkeys(OF_FRICTION, ...) | {"solver.static_residual": 1e-9},
+    ),
     Verdict(ROWS, (), (), ()),
     Table(
         scene="a",

@@ -1,4 +1,4 @@
-"""Results of ``rollbench friction``: JSON values, tables and lines for the terminal, and neglected effects."""
+"""Results of ``rollbench friction``: records, tables and lines for the terminal, and neglected effects."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ import numpy as np
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.friction_sums import friction_results_json, motion_relative_to_load
 from rollbench.compare.quantities import json_number
+from rollbench.compare.results import data as records
+from rollbench.compare.results.data import FrictionBall
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.feedback import JAMMED
 from rollbench.lowfi.friction.whole.losses import CAUSES, BallFriction
@@ -20,7 +22,7 @@ from rollbench.lowfi.friction.whole.torque import FrictionSums
 from rollbench.lowfi.rating.catalogue_checks import warn_of_overall_friction_coefficient
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.validity import contact_warnings
-from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
+from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
 
@@ -142,16 +144,14 @@ ROUND_OFF = 1e-9
 
 @dataclass(frozen=True)
 class FrictionAnswer:
-    """Friction of one scene as it is shown: JSON values, and tables and text lines for the terminal."""
+    """Friction of one scene with the tables and text lines in which the terminal shows it."""
 
-    #: All results as JSON values.
-    data: dict[str, Any]
+    #: The friction.
+    record: records.Friction
     #: Tables for the terminal, each with its title, columns and rows.
-    tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]]
+    tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]] = ()
     #: Text lines for the terminal, each with its label and text.
-    lines: Sequence[Line]
-    #: Whether the solutions for contact loads and friction converged.
-    converged: bool
+    lines: Sequence[Line] = ()
     #: Tables for the terminal with a row for each ball, each with its title, columns and rows; shown on request.
     ball_tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]] = ()
 
@@ -160,28 +160,36 @@ class FrictionAnswer:
         """All text lines of the terminal as one text, each with its label if it has one."""
         return "\n".join(f"{label}: {text}" if label else text for label, text in self.lines)
 
-    @property
-    def warning(self) -> str:
-        """Short text of all warnings, which is shown above the results; may be empty."""
-        return join_brief_warnings(self.data.get("warnings", ()))
+
+def from_fields(*keys: str) -> dict[str, Any]:
+    """Return entries of the JSON whose values are those of the record's fields with these keys."""
+    return dict.fromkeys(keys, ...)
 
 
-def json_entries_of_all_kinds(
-    scene: FrictionScene, status: str, converged: bool, coupling: str | None = None
-) -> dict[str, Any]:
-    """Return the JSON entries that friction results of all kinds of scenes have: names, status, neglected effects etc.
+def friction_of_parts(
+    scene: FrictionScene, status: str, converged: bool, entries: dict[str, Any], coupling: str | None = None, **fields: Any
+) -> records.Friction:
+    """Return the friction of single parts, with the names, status and neglected effects that all kinds of them have.
 
-    ``scene``: scene of single parts; ``status``: "converged", or why not; ``converged``: whether loads and friction
-    converged; ``coupling``: for a screw, which balance of loads includes friction, see `neglected_effects_of_kind`; None
-    for other kinds of scenes.
+    ``status``: "converged", or why not; ``converged``: whether loads and friction converged; ``entries``: further entries
+    of the JSON; ``coupling``: for a screw, which balance of loads includes friction, see `neglected_effects_of_kind`; None
+    for other kinds of scenes; ``fields``: further fields.
     """
-    named = {"scene": scene.name, "title": scene.title, "kind": scene.kind}
-    return named | {
-        "status": status,
-        "converged": converged,
-        "assumed": list(scene.assumed),
-        "left_out": neglected_effects_of_kind(scene.kind, coupling),
-    }
+    return records.Friction(
+        scene=scene.name,
+        title=scene.title,
+        kind=scene.kind,
+        reason=status,
+        converged=converged,
+        assumed=tuple(scene.assumed),
+        left_out=tuple(neglected_effects_of_kind(scene.kind, coupling)),
+        entries=_HEAD_OF_PARTS | entries | from_fields("warnings"),
+        **fields,
+    )
+
+
+#: First entries of the JSON of single parts.
+_HEAD_OF_PARTS = from_fields("scene", "title", "kind", "status", "converged", "assumed", "left_out")
 
 
 def format_three_digits(value: float) -> str:
@@ -208,29 +216,34 @@ def ball_loads_json(sides: Sequence[str], force: Array, angle: Array) -> dict[st
     return {"load_N": contact_values_json(sides, force), "contact_angle_deg": contact_values_json(sides, loaded)}
 
 
-def ball_motion_json(ball_speeds: Array) -> dict[str, Any]:
-    """Return the orbital speed and the rotation of a ball as JSON.
+#: Keys of the motion of a ball, and of sliding and friction at its contacts.
+MOTION_KEYS = ("orbit_rad_s", "rotation_rad_s")
+CONTACT_KEYS = ("sliding_mm_s", "spin_rad_s", "friction_N", "moment_Nmm", "loss_mW", "at_rest")
+
+
+def ball_motion(ball_speeds: Array) -> dict[str, Any]:
+    """Return the orbital speed and the rotation of a ball as fields of `FrictionBall`; None for a speed that is not known.
 
     ``ball_speeds``: orbital speed of the ball, then its angular velocity about the axes x, y, z, (4,) [rad/s].
     """
-    return {"orbit_rad_s": json_number(ball_speeds[0]), "rotation_rad_s": [json_number(w) for w in ball_speeds[1:]]}
+    return {"orbit": json_number(ball_speeds[0]), "rotation": [json_number(w) for w in ball_speeds[1:]]}
 
 
-def sliding_and_friction_json(
+def sliding_and_friction(
     sides: Sequence[str], motion: Array, force: Array, moment: Array, loss: Array, rest: Mask
 ) -> dict[str, Any]:
-    """Return sliding, friction force and moment, and losses at a ball's contacts as JSON.
+    """Return sliding, friction force and moment, and losses at a ball's contacts as fields of `FrictionBall`.
 
     ``sides``: names of the n contacts; ``motion``: sliding velocity across and along the groove [m/s], then spin
     [rad/s], (n, 3); ``force``: friction force across and along the groove (n, 2) [N]; ``moment``: friction moment about
     the contact normal (n,) [N m]; ``loss``: dissipation (n,) [W]; ``rest``: whether each contact sticks (n,).
     """
     return {
-        "sliding_mm_s": contact_values_json(sides, 1e3 * motion[:, :2]),
-        "spin_rad_s": contact_values_json(sides, motion[:, 2]),
-        "friction_N": contact_values_json(sides, force),
-        "moment_Nmm": contact_values_json(sides, 1e3 * moment),
-        "loss_mW": contact_values_json(sides, 1e3 * loss),
+        "sliding": contact_values_json(sides, motion[:, :2]),
+        "spin": contact_values_json(sides, motion[:, 2]),
+        "force": contact_values_json(sides, force),
+        "moment": contact_values_json(sides, moment),
+        "loss": contact_values_json(sides, loss),
         "at_rest": {s: bool(r) for s, r in zip(sides, rest, strict=True)},
     }
 
@@ -253,23 +266,23 @@ def zero_if_round_off(difference: float, magnitude: float) -> float:
     return 0.0 if abs(difference) <= ROUND_OFF * abs(magnitude) else difference
 
 
-def power_balance_json(power: float, loss: float) -> dict[str, Any]:
-    """Return input power, friction loss and their difference as JSON.
+def power_balance(power: float, loss: float) -> dict[str, Any]:
+    """Return entries of the JSON: input power, friction loss (a field of the record) and their difference.
 
     ``power``: input power [W]; ``loss``: friction loss [W]. The JSON value of a difference within round-off is zero.
     """
-    left = zero_if_round_off(power - loss, loss)
-    return {"input_power_W": json_number(power), "loss_W": json_number(loss), "balance_W": json_number(left)}
+    left = json_number(zero_if_round_off(power - loss, loss))
+    return {"energy.input_power_W": json_number(power), "energy.loss_W": ..., "energy.balance_W": left}
 
 
-def power_balance_percent_json(power: float, loss: float, round_off: float) -> dict[str, Any]:
-    """Return input power, friction loss and their difference as JSON, the difference also in % of the loss.
+def power_balance_with_percent(power: float, loss: float, round_off: float) -> dict[str, Any]:
+    """Return the entries of `power_balance`, and the difference in % of the loss.
 
     ``power``: input power [W]; ``loss``: friction loss [W]; ``round_off``: scale of the round-off, which is the loss
     that the contacts would have if all of them slid fully [W]. The percentage is null if ``loss`` is at most `NOTHING`
     times ``round_off``.
     """
-    return power_balance_json(power, loss) | {"balance_percent": loss_increase_percent(power, loss, round_off)}
+    return power_balance(power, loss) | {"energy.balance_percent": loss_increase_percent(power, loss, round_off)}
 
 
 def loss_increase_percent(loss: float, reference_loss: float, round_off: float) -> float | None:
@@ -284,10 +297,10 @@ def loss_increase_percent(loss: float, reference_loss: float, round_off: float) 
     return json_number(float(error_percent(reference_loss + change, reference_loss)))
 
 
-def ball_to_ball_contact_effect_json(
+def ball_to_ball_contact_effect(
     power: float, loss: float, loss_apart: float, loss_between_balls: float, full_sliding_loss: float
 ) -> dict[str, Any]:
-    """Return as JSON how the friction losses with touching neighbouring balls differ from those with balls far apart.
+    """Return entries of the JSON: how the losses with touching neighbouring balls differ from those with balls far apart.
 
     ``power`` and ``loss``: input power and loss with balls that touch [W]; ``loss_apart``: loss with the balls far apart
     [W]; ``loss_between_balls``: the part of ``loss`` in the contacts between balls [W]; ``full_sliding_loss``: loss that
@@ -299,17 +312,15 @@ def ball_to_ball_contact_effect_json(
         "friction_increase_percent": loss_increase_percent(loss, loss_apart, full_sliding_loss),
         "ball_to_ball_percent": json_number(100.0 * loss_between_balls / loss_apart) if rubs else None,
         "ball_to_ball_loss_W": json_number(loss_between_balls),
-        "energy": power_balance_percent_json(power, loss, full_sliding_loss),
+        **power_balance_with_percent(power, loss, full_sliding_loss),
     }
 
 
-def line_on_solver_residuals(solver: dict[str, Any], suffix: str = "") -> Line:
+def line_on_solver_residuals(loads: float, friction: float, suffix: str = "") -> Line:
     """Return a terminal line (label, text) on the unbalanced forces of the contact loads and of friction.
 
-    ``solver``: JSON values with the unbalanced forces [N] of the contact loads and of friction; ``suffix``: text that
-    is appended to the line.
+    ``loads``, ``friction``: unbalanced forces [N]; ``suffix``: text that is appended to the line.
     """
-    loads, friction = solver["load_imbalance_N"], solver["friction_imbalance_N"]
     return "solver", f"loads out of balance by {loads:.1e} N, friction by {friction:.1e} N{suffix}"
 
 
@@ -318,15 +329,12 @@ def scene_word_for_hertz_constants(hertz: str) -> str:
     return "nominal" if hertz == "right" else hertz
 
 
-def line_on_energy_balance(values: dict[str, Any], digits: int = 6) -> Line:
-    """Return a terminal line (label, text) on input power, friction loss and their difference.
-
-    ``values``: JSON values of `power_balance_json`; ``digits``: number of significant digits of the powers.
-    """
-    power, loss, left = (float(values[f"{name}_W"]) for name in ("input_power", "loss", "balance"))
+def line_on_energy_balance(power: float, loss: float) -> Line:
+    """Return a terminal line (label, text) on input power [W], friction loss [W] and their difference."""
+    left = zero_if_round_off(power - loss, loss)
     if left == 0.0 or loss == 0.0:
-        return "energy", f"{loss:.{digits}g} W are put in and lost"
-    return "energy", f"{power:.{digits}g} W are put in and {loss:.{digits}g} W lost, {left:+.1e} W out of balance"
+        return "energy", f"{loss:.6g} W are put in and lost"
+    return "energy", f"{power:.6g} W are put in and {loss:.6g} W lost, {left:+.1e} W out of balance"
 
 
 def effects_neglected_at_one_instant(friction: Friction) -> list[str]:
@@ -391,37 +399,45 @@ def ball_to_ball_forces_as_json(state: FrictionState) -> dict[str, Any] | None:
     }
 
 
-def json_rows_of_balls(result: StaticResult, state: FrictionState) -> list[dict[str, Any]]:
-    """Return one JSON row per ball: position, contact loads, motion, sliding and friction, and status of the friction.
+#: Entries of the JSON of a ball of a whole screw or bearing that are fields.
+_OF_BALL = from_fields(*MOTION_KEYS, "closing_mm_s", *CONTACT_KEYS)
 
-    ``result``: static result; ``state``: friction of the balls. The axes x and z of a contact lie across and along its
-    groove.
+
+def balls_with_friction(result: StaticResult, state: FrictionState, number: int | None = None) -> tuple[FrictionBall, ...]:
+    """Return each ball: position, contact loads, motion, sliding and friction, and status of the friction.
+
+    ``result``: static result; ``state``: friction of the balls; ``number``: number of the nut or bearing on a shaft, from
+    1. The axes x and z of a contact lie across and along its groove.
     """
     at, f, q = state.contacts, state.ball_friction, state.ball_friction.ball_motions
-    return [
-        {
-            "index": i + 1,
-            "azimuth_deg": json_number(math.degrees(result.azimuth[i])),
-            "z_mm": json_number(1e3 * result.z[i]),
-        }
-        | ball_loads_json(SIDES, at.force[i], at.angle[i])
-        | ball_motion_json(q[i])
-        | {"closing_mm_s": json_number(1e3 * state.closing_speeds[i])}
-        | sliding_and_friction_json(
-            SIDES, f.contact_motions[i], f.force[i], f.moment[i], f.loss[i].sum(axis=1), f.sticking_contacts[i]
+    of_set = {} if number is None else from_fields("set")
+    return tuple(
+        FrictionBall(
+            set=number,
+            index=i + 1,
+            closing=json_number(state.closing_speeds[i]),
+            **ball_motion(q[i]),
+            **sliding_and_friction(
+                SIDES, f.contact_motions[i], f.force[i], f.moment[i], f.loss[i].sum(axis=1), f.sticking_contacts[i]
+            ),
+            entries=of_set
+            | {
+                "index": ...,
+                "azimuth_deg": json_number(math.degrees(result.azimuth[i])),
+                "z_mm": json_number(1e3 * result.z[i]),
+                **ball_loads_json(SIDES, at.force[i], at.angle[i]),
+                **_OF_BALL,
+                "status": f.status[i],
+            },
         )
-        | {"status": f.status[i]}
         for i in range(at.force.shape[0])
-    ]
+    )
 
 
-def terminal_ball_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the rows of a terminal table, one for each ball; cells for load and loss of unloaded contacts are empty.
-
-    ``rows``: JSON rows of `json_rows_of_balls`.
-    """
+def terminal_ball_rows(balls: Sequence[FrictionBall]) -> list[dict[str, Any]]:
+    """Return the rows of a terminal table, one for each ball; cells for load and loss of unloaded contacts are empty."""
     out = []
-    for row in rows:
+    for row in [ball.as_json() for ball in balls]:
         flat = terminal_ball_row(SIDES, row)
         for side, load in row["load_N"].items():
             shown = (load, row["loss_mW"][side]) if load > 0.0 else (None, None)

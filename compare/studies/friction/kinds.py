@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.quantities import json_number
+from rollbench.compare.results.data import FrictionBall
 from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.studies.friction import run as friction_run
-from rollbench.compare.studies.friction.answer import FrictionAnswer
+from rollbench.compare.studies.friction.answer import FrictionAnswer, from_fields
 from rollbench.compare.studies.friction.linear_kinds import solve_friction_of_linear_bearing
 from rollbench.compare.text.printing import Column, format_cell
 from rollbench.lowfi.friction import bearing
@@ -61,20 +62,31 @@ def contact_size_warnings_of_screw(groove: ScrewGroove, force: Array) -> list[Re
 # --- two balls
 
 
-def json_rows_of_two_screw_balls(result: ScrewPairSolution) -> list[dict[str, Any]]:
-    """Return four JSON rows for two balls of a screw: two with the balls far apart, then two with touching balls.
+#: Entries of the JSON of a ball that are its motion.
+_MOTION = from_fields(*answer.MOTION_KEYS)
 
-    A row has contact loads and motion of the ball, and its friction loss in the grooves. ``result``: solution of the two
+
+def two_screw_balls(result: ScrewPairSolution) -> tuple[FrictionBall, ...]:
+    """Return the two balls of a screw four times: two with the balls far apart, then two with touching balls.
+
+    Each has contact loads and motion of the ball, and its friction loss in the grooves. ``result``: solution of the two
     balls.
     """
-    return [
-        {"index": k + 1, "state": state}
-        | answer.ball_loads_json(SIDES, chain.loads_with_friction.force[k], chain.loads_with_friction.angle[k])
-        | answer.ball_motion_json(chain.motion.q[k])
-        | {"groove_loss_mW": json_number(1e3 * chain.motion.groove_loss[k].sum())}
+    return tuple(
+        FrictionBall(
+            index=k + 1,
+            **answer.ball_motion(chain.motion.q[k]),
+            entries={
+                "index": ...,
+                "state": state,
+                **answer.ball_loads_json(SIDES, chain.loads_with_friction.force[k], chain.loads_with_friction.angle[k]),
+                **_MOTION,
+                "groove_loss_mW": json_number(1e3 * chain.motion.groove_loss[k].sum()),
+            },
+        )
         for state, chain in (("apart", result.apart), ("touching", result.touching))
         for k in range(2)
-    ]
+    )
 
 
 def status_of_two_screw_balls(result: ScrewPairSolution) -> str:
@@ -90,55 +102,57 @@ def solve_friction_of_two_screw_balls(scene: ScrewPairScene) -> FrictionAnswer:
     """Solve two balls of a ball screw; return forces, losses, and how contact between the balls changes the friction."""
     pair = scene.pair
     r = solve_pair_of_screw_balls(pair)
-    m, apart, rows, chains = r.touching.motion, r.apart.motion.loss, json_rows_of_two_screw_balls(r), (r.apart, r.touching)
+    m, apart, balls, chains = r.touching.motion, r.apart.motion.loss, two_screw_balls(r), (r.apart, r.touching)
     bound, ball_loss = full_sliding_loss(pair.groove, r.touching.loads_with_friction.force), float(m.ball_loss.sum())
     between = {"balls": "1-2", "gap_um": 0.0, "force_N": json_number(r.force), "loss_mW": json_number(1e3 * ball_loss)}
-    solver = {
-        "load_imbalance_N": json_number(max(c.loads_with_friction.largest_unbalanced_force for c in chains)),
-        "friction_imbalance_N": json_number(max(c.motion.largest_unbalanced_force for c in chains)),
-        "feedback_change_N": json_number(max(c.last_friction_change for c in chains)) if pair.coupling != "none" else 0.0,
-        "rounds": max(c.rounds for c in chains),
-    }
-    data = answer.json_entries_of_all_kinds(scene, status_of_two_screw_balls(r), r.converged, pair.coupling) | {
-        "law": "coulomb",
-        "hertz": answer.scene_word_for_hertz_constants(pair.groove.hertz),
-        "coupling": pair.coupling,
-        "coupled": pair.coupling != "none",
-        "deviation_deg": [json_number(degrees(t)) for t in pair.theta],
-        "oversize_um": json_number(1e6 * pair.oversize),
-        "balls": rows,
-        "pairs": [between | {"closing_apart_rad_s": json_number(r.approach_speed_when_apart)}],
-        "load_sum_N": [json_number(f) for f in r.ball_loads],
-        **answer.ball_to_ball_contact_effect_json(m.input_power, m.loss, apart, ball_loss, bound),
-        "solver": solver,
-        "warnings": contact_size_warnings_of_screw(pair.groove, r.touching.loads_with_friction.force),
-    }
-    table = "per ball", PAIR_COLUMNS, [answer.terminal_ball_row(SIDES, row) for row in rows]
-    return FrictionAnswer(data, [table], lines_on_two_screw_balls(data), r.converged)
-
-
-def lines_on_two_screw_balls(data: dict[str, Any]) -> list[answer.Line]:
-    """Return terminal lines (label, text) on two balls of a ball screw.
-
-    ``data``: JSON values of `solve_friction_of_two_screw_balls`.
-    """
-    (pair,), rise, solver = data["pairs"], data["friction_increase_percent"], data["solver"]
-    force = f"{pair['force_N']:.6g} N from ball to ball, loss there {data['ball_to_ball_loss_W']:.6g} W"
-    return [
+    loads = max(c.loads_with_friction.largest_unbalanced_force for c in chains)
+    friction, rounds = max(c.motion.largest_unbalanced_force for c in chains), max(c.rounds for c in chains)
+    change = max(c.last_friction_change for c in chains) if pair.coupling != "none" else 0.0
+    record = answer.friction_of_parts(
+        scene,
+        status_of_two_screw_balls(r),
+        r.converged,
+        {
+            "law": "coulomb",
+            "hertz": answer.scene_word_for_hertz_constants(pair.groove.hertz),
+            "coupling": pair.coupling,
+            "coupled": pair.coupling != "none",
+            "deviation_deg": [json_number(degrees(t)) for t in pair.theta],
+            "oversize_um": json_number(1e6 * pair.oversize),
+            "balls": ...,
+            "pairs": [between | {"closing_apart_rad_s": json_number(r.approach_speed_when_apart)}],
+            "load_sum_N": [json_number(f) for f in r.ball_loads],
+            **answer.ball_to_ball_contact_effect(m.input_power, m.loss, apart, ball_loss, bound),
+            "solver.load_imbalance_N": json_number(loads),
+            "solver.friction_imbalance_N": json_number(friction),
+            "solver.feedback_change_N": json_number(change),
+            "solver.rounds": rounds,
+        },
+        pair.coupling,
+        loss=m.loss,
+        balls=balls,
+        warnings=tuple(contact_size_warnings_of_screw(pair.groove, r.touching.loads_with_friction.force)),
+    )
+    rise = answer.loss_increase_percent(m.loss, apart, bound)
+    force = f"{r.force:.6g} N from ball to ball, loss there {ball_loss:.6g} W"
+    lines = [
         ("force", force + ("" if rise is None else f"; contact changes all losses by {rise:+.4g} %")),
-        ("closing", f"when apart the balls close in at {pair['closing_apart_rad_s']:.6g} rad/s of azimuth"),
-        answer.line_on_energy_balance(data["energy"]),
-        answer.line_on_solver_residuals(solver, f", {solver['rounds']} rounds"),
-        line_on_friction_law(data),
+        ("closing", f"when apart the balls close in at {r.approach_speed_when_apart:.6g} rad/s of azimuth"),
+        answer.line_on_energy_balance(m.input_power, m.loss),
+        answer.line_on_solver_residuals(loads, friction, f", {rounds} rounds"),
+        line_on_friction_law(pair.groove, pair.coupling),
     ]
+    table = "per ball", PAIR_COLUMNS, [answer.terminal_ball_row(SIDES, ball.as_json()) for ball in balls]
+    return FrictionAnswer(record, [table], lines)
 
 
-def line_on_friction_law(data: dict[str, Any]) -> answer.Line:
+def line_on_friction_law(groove: ScrewGroove, coupling: str) -> answer.Line:
     """Return a terminal line (label, text) on friction law, Hertz constants, and the effect of friction on contact loads.
 
-    ``data``: JSON values of a solved scene, with the entries "hertz" and "coupling".
+    ``coupling``: the scene's word for this effect.
     """
-    return "law", f"coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {data['coupling']}"
+    hertz = answer.scene_word_for_hertz_constants(groove.hertz)
+    return "law", f"coulomb, Hertz constants {hertz}, coupling of friction to loads: {coupling}"
 
 
 #: Columns of the terminal's table of two screw balls, apart and touching.
@@ -220,43 +234,49 @@ def simulate_screw_over_time(scene: ScrewRunScene) -> FrictionAnswer:
     h, speed = in_time.history, abs(run.groove.speed)
     bound = full_sliding_loss(run.groove, h.load) / h.time.size
     loss = h.torque * speed
-    spent = answer.power_balance_percent_json(h.mean_over_time(loss * (1.0 + h.imbalance)), h.mean_over_time(loss), bound)
-    known = spent["balance_percent"] is not None
+    power, mean_loss = h.mean_over_time(loss * (1.0 + h.imbalance)), h.mean_over_time(loss)
+    spent = answer.power_balance_with_percent(power, mean_loss, bound)
+    known = spent["energy.balance_percent"] is not None
     largest = answer.zero_if_round_off(float(np.abs(h.imbalance).max()), 1.0)
-    spent["largest_step_balance_percent"] = json_number(100.0 * largest) if known else None
     summary, failed = screw_run_summary_json(h), int(np.sum(~h.converged))
     found = friction_run.transient_simulation_as_json(in_time)
-    data = answer.json_entries_of_all_kinds(scene, in_time.status, in_time.converged, run.coupling) | {
-        "law": "coulomb",
-        "hertz": answer.scene_word_for_hertz_constants(run.groove.hertz),
-        "coupling": run.coupling,
-        "coupled": run.coupling != "none",
-        "ball_count": run.count,
-        "steps": h.steps,
-        "duration_s": json_number(run.duration),
-        "amplitude_deg": json_number(degrees(run.amplitude)),
-        "oversize_um": json_number(1e6 * run.oversize),
-        "summary": summary,
-        "energy": spent,
-        "series": screw_run_series_json(h),
-        "solver": {
-            "failed_steps": failed,
-            "feedback_change_N": json_number(h.change.max()) if run.coupling != "none" else 0.0,
+    record = answer.friction_of_parts(
+        scene,
+        in_time.status,
+        in_time.converged,
+        {
+            "law": "coulomb",
+            "hertz": answer.scene_word_for_hertz_constants(run.groove.hertz),
+            "coupling": run.coupling,
+            "coupled": run.coupling != "none",
+            "ball_count": run.count,
+            "steps": h.steps,
+            "duration_s": json_number(run.duration),
+            "amplitude_deg": json_number(degrees(run.amplitude)),
+            "oversize_um": json_number(1e6 * run.oversize),
+            "summary": summary,
+            **spent,
+            "energy.largest_step_balance_percent": json_number(100.0 * largest) if known else None,
+            "series": screw_run_series_json(h),
+            "solver.failed_steps": failed,
+            "solver.feedback_change_N": json_number(h.change.max()) if run.coupling != "none" else 0.0,
+            "step_error": found["step_error"],
+            "run": found,
         },
-        "step_error": found["step_error"],
-        "run": found,
-        "warnings": contact_size_warnings_of_screw(run.groove, h.load),
-    }
-    label, text = answer.line_on_energy_balance(spent)
+        run.coupling,
+        loss=mean_loss,
+        warnings=tuple(contact_size_warnings_of_screw(run.groove, h.load)),
+    )
+    label, text = answer.line_on_energy_balance(power, mean_loss)
     lines = [
         *friction_run.lines_on_simulation(in_time),
         ("balls", f"{run.count} over {run.duration:.6g} s"),
         (label, f"{text}, at most {largest:.1e} of the loss out of balance at an instant" if largest else text),
         ("solver", f"{failed} of {h.time.size} instants failed"),
-        line_on_friction_law(data),
+        line_on_friction_law(run.groove, run.coupling),
     ]
     shown = [{"quantity": label, "value": format_cell(summary[name], form)} for name, label, form in RUN_LINES]
-    return FrictionAnswer(data, [("summary", RUN_COLUMNS, shown)], lines, in_time.converged)
+    return FrictionAnswer(record, [("summary", RUN_COLUMNS, shown)], lines)
 
 
 #: Columns of the terminal's table on a simulation over time.
@@ -313,34 +333,35 @@ def status_of_bearing_ball(loaded: bool, balanced: bool, motion: str) -> str:
     return "no balance of friction found" if motion == "failed" else "converged"
 
 
-def json_row_of_bearing_ball(
-    load: equilibrium.ContactLoadSolution, at: EllipticalContacts, motion: BallMotion
-) -> dict[str, Any]:
-    """Return the JSON row of one ball of a bearing: contact loads and ellipses, motion, friction and losses.
+def ball_of_bearing(load: equilibrium.ContactLoadSolution, at: EllipticalContacts, motion: BallMotion) -> FrictionBall:
+    """Return one ball of a bearing: contact loads and ellipses, motion, friction and losses.
 
     ``load``: contact loads; ``at``: contact ellipses; ``motion``: motion of the ball with its friction. The axes x and z of
     a contact lie across and along its groove. The rotation of the ball about the direction of its path is zero by
     symmetry.
     """
     f = motion.friction
-    return (
-        {"index": 1}
-        | answer.ball_loads_json(bearing.SIDES, load.force, load.angle)
-        | {
+    return FrictionBall(
+        index=1,
+        **answer.ball_motion(np.append(motion.unknown_velocities, 0.0)),
+        **answer.sliding_and_friction(
+            bearing.SIDES, motion.contact_motions, f.force, f.moment, f.loss, motion.sticking_contacts
+        ),
+        entries={
+            "index": ...,
+            **answer.ball_loads_json(bearing.SIDES, load.force, load.angle),
             "semi_axis_across_um": answer.contact_values_json(bearing.SIDES, 1e6 * at.a),
             "semi_axis_along_um": answer.contact_values_json(bearing.SIDES, 1e6 * at.b),
-        }
-        | answer.ball_motion_json(np.append(motion.unknown_velocities, 0.0))
-        | answer.sliding_and_friction_json(
-            bearing.SIDES, motion.contact_motions, f.force, f.moment, f.loss, motion.sticking_contacts
-        )
+            **_MOTION,
+            **from_fields(*answer.CONTACT_KEYS),
+        },
     )
 
 
 def rows_of_loaded_contacts(ball: dict[str, Any]) -> list[dict[str, Any]]:
     """Return a row of the terminal table for each loaded contact of a ball.
 
-    ``ball``: JSON row of `json_row_of_bearing_ball`.
+    ``ball``: JSON of `ball_of_bearing`.
     """
     size = ("load_N", "contact_angle_deg", "semi_axis_across_um", "semi_axis_along_um")
     names = (*size, "spin_rad_s", "moment_Nmm", "loss_mW", "at_rest")
@@ -379,49 +400,47 @@ def solve_friction_of_bearing_ball(scene: BearingBallScene) -> FrictionAnswer:
         motion = equilibrium.motion_without_friction_forces(motion)
     held = load.force > 0.0
     converged = bool(held.any()) and load.converged and motion.status != "failed"
-    ball, speed = json_row_of_bearing_ball(load, at, motion), b.screw_speed
+    ball, speed = ball_of_bearing(load, at, motion), b.screw_speed
     torque = bearing.inner_ring_torque(b, load, motion)
     bound = float(at.friction_bound.sum()) * abs(speed) * b.pitch_radius
-    power = answer.power_balance_percent_json(torque * speed, motion.loss, bound)
-    by_loss = json_number(1e3 * motion.loss / abs(speed)) if speed != 0.0 else None
+    by_loss = motion.loss / abs(speed) if speed != 0.0 else None
     status = status_of_bearing_ball(bool(held.any()), load.converged, motion.status)
-    data = answer.json_entries_of_all_kinds(scene, status, converged) | {
-        "law": scene.law,
-        "hertz": answer.scene_word_for_hertz_constants(b.hertz),
-        "coupled": False,
-        "balls": [ball],
-        "load_sum_N": json_number(load.force.sum()),
-        "torque": {"friction_torque_Nmm": by_loss, "driving_torque_on_screw_Nmm": json_number(1e3 * torque)},
-        "energy": power,
-        "solver": {
-            "load_imbalance_N": json_number(load.largest_unbalanced_force),
-            "friction_imbalance_N": json_number(motion.imbalance),
-            "load_steps": load.steps,
-            "motion_steps": motion.steps,
-            "motion": motion.status,
+    record = answer.friction_of_parts(
+        scene,
+        status,
+        converged,
+        {
+            "law": scene.law,
+            "hertz": answer.scene_word_for_hertz_constants(b.hertz),
+            "coupled": False,
+            "balls": ...,
+            "load_sum_N": json_number(load.force.sum()),
+            **from_fields("torque.friction_torque_Nmm", "torque.driving_torque_on_screw_Nmm"),
+            **answer.power_balance_with_percent(torque * speed, motion.loss, bound),
+            "solver.load_imbalance_N": json_number(load.largest_unbalanced_force),
+            "solver.friction_imbalance_N": json_number(motion.imbalance),
+            "solver.load_steps": load.steps,
+            "solver.motion_steps": motion.steps,
+            "solver.motion": motion.status,
         },
-        "warnings": contact_size_warnings(at.a[held], b.ball_radius),
-    }
-    table = "per contact", CONTACT_COLUMNS, rows_of_loaded_contacts(ball)
-    return FrictionAnswer(data, [table], lines_on_bearing_ball(data), converged)
-
-
-def lines_on_bearing_ball(data: dict[str, Any]) -> list[answer.Line]:
-    """Return terminal lines (label, text) on one ball of a bearing.
-
-    ``data``: JSON values of `solve_friction_of_bearing_ball`.
-    """
-    (ball,), torque = data["balls"], data["torque"]
-    by_loss, (x, y, _) = torque["friction_torque_Nmm"], ball["rotation_rad_s"]
-    turn = f"{torque['driving_torque_on_screw_Nmm']:.6g} N mm turn the inner ring"
-    return [
-        ("torque", turn + ("" if by_loss is None else f" (dissipation over speed: {by_loss:.6g} N mm)")),
-        ("loads", f"sum of contact loads {data['load_sum_N']:.6g} N; they do not depend on friction"),
-        ("ball", f"orbit {ball['orbit_rad_s']:.6g} rad/s, omega_x {x:.6g} rad/s, omega_y {y:.6g} rad/s"),
-        answer.line_on_energy_balance(data["energy"]),
-        answer.line_on_solver_residuals(data["solver"]),
-        ("law", f"{data['law']}, Hertz constants {data['hertz']}"),
+        torque=by_loss,
+        driving_torque_on_screw=torque,
+        loss=motion.loss,
+        balls=(ball,),
+        warnings=tuple(contact_size_warnings(at.a[held], b.ball_radius)),
+    )
+    orbit, x, y = motion.unknown_velocities
+    turn = f"{1e3 * torque:.6g} N mm turn the inner ring"
+    lines = [
+        ("torque", turn + ("" if by_loss is None else f" (dissipation over speed: {1e3 * by_loss:.6g} N mm)")),
+        ("loads", f"sum of contact loads {load.force.sum():.6g} N; they do not depend on friction"),
+        ("ball", f"orbit {orbit:.6g} rad/s, omega_x {x:.6g} rad/s, omega_y {y:.6g} rad/s"),
+        answer.line_on_energy_balance(torque * speed, motion.loss),
+        answer.line_on_solver_residuals(load.largest_unbalanced_force, motion.imbalance),
+        ("law", f"{scene.law}, Hertz constants {answer.scene_word_for_hertz_constants(b.hertz)}"),
     ]
+    table = "per contact", CONTACT_COLUMNS, rows_of_loaded_contacts(ball.as_json())
+    return FrictionAnswer(record, [table], lines)
 
 
 # --- two designs of a bearing
@@ -483,8 +502,8 @@ def solve_friction_of_two_bearings(scene: BearingPairScene) -> FrictionAnswer:
     mechanisms = unresisted_motions(scene)
     if mechanisms:
         others = f" (and {len(mechanisms) - 1} more)" if len(mechanisms) > 1 else ""
-        head = answer.json_entries_of_all_kinds(scene, f"no equilibrium: {mechanisms[0]}{others}", False)
-        return FrictionAnswer(head | common | {"warnings": []}, [], [], False)
+        status = f"no equilibrium: {mechanisms[0]}{others}"
+        return FrictionAnswer(answer.friction_of_parts(scene, status, False, common))
     return _answer_on_two_bearings(scene, common)
 
 
@@ -503,36 +522,41 @@ def _answer_on_two_bearings(scene: BearingPairScene, common: dict[str, Any]) -> 
     ]
     states = [(c, s) for c, one in zip(cases, by_case, strict=True) for s in one]
     powers = [(s.input_power, s.loss.sum(), full_sliding_loss(c.groove, s.load.force)) for c, s in states]
-    spent = answer.power_balance_percent_json(*(float(np.mean(column)) for column in zip(*powers, strict=True)))
+    power, loss, bound = (float(np.mean(column)) for column in zip(*powers, strict=True))
     large = [
         w.with_part_name(name)
         for name, c, one in zip(("four-point", "double row"), cases, by_case, strict=True)
         for w in contact_size_warnings_of_screw(c.groove, np.stack([s.load.force for s in one]))
     ]
-    solver = {"load_imbalance_N": json_number(max(s.load.largest_unbalanced_force for _, s in states))}
-    data = answer.json_entries_of_all_kinds(scene, status, all(good)) | common | {"four_point": four, "double_row": double}
-    data |= {"four_over_double": ratios, "energy": spent, "solver": solver, "warnings": large}
+    left = max(s.load.largest_unbalanced_force for _, s in states)
+    record = answer.friction_of_parts(
+        scene,
+        status,
+        all(good),
+        {
+            **common,
+            "four_point": four,
+            "double_row": double,
+            "four_over_double": ratios,
+            **answer.power_balance_with_percent(power, loss, bound),
+            "solver.load_imbalance_N": json_number(left),
+        },
+        loss=loss,
+        warnings=tuple(large),
+    )
     torques, beyond = [one["friction_torque_Nmm"] for one in (four, double)], four["balls_beyond_two_contacts"]
     columns = zip(common["load_angle_deg"], *torques, ratios, beyond, good, strict=True)
     rows = [dict(zip((name for name, _, _ in BEARING_COLUMNS), row, strict=True)) for row in columns]
-    table = "over the load's angle", BEARING_COLUMNS, rows
-    return FrictionAnswer(data, [table], lines_on_two_bearings(data), all(good))
-
-
-def lines_on_two_bearings(data: dict[str, Any]) -> list[answer.Line]:
-    """Return terminal lines (label, text) on a four-point and a double-row bearing.
-
-    ``data``: JSON values of their friction.
-    """
-    four, double = (format_cell(data[name]["largest_over_smallest"], ".5g") for name in ("four_point", "double_row"))
-    label, text = answer.line_on_energy_balance(data["energy"])
-    ring = "free to tilt" if data["tilt"] else "kept from tilting"
-    return [
-        ("torque", f"largest over smallest: four-point {four}, double row {double}"),
+    variations = (format_cell(one["largest_over_smallest"], ".5g") for one in (four, double))
+    label, text = answer.line_on_energy_balance(power, loss)
+    ring = "free to tilt" if common["tilt"] else "kept from tilting"
+    lines = [
+        ("torque", "largest over smallest: four-point {}, double row {}".format(*variations)),
         (label, f"{text}, mean over the angles"),
-        ("solver", f"loads out of balance by {data['solver']['load_imbalance_N']:.1e} N"),
-        ("law", f"coulomb, Hertz constants {data['hertz']}, inner ring {ring}"),
+        ("solver", f"loads out of balance by {left:.1e} N"),
+        ("law", f"coulomb, Hertz constants {common['hertz']}, inner ring {ring}"),
     ]
+    return FrictionAnswer(record, [("over the load's angle", BEARING_COLUMNS, rows)], lines)
 
 
 #: Columns of the terminal's table of friction torques of both bearings over the angle of the load.
@@ -567,6 +591,6 @@ def solve_friction_of_single_parts(scene: FrictionScene) -> FrictionAnswer:
     Returns
     -------
     FrictionAnswer
-        JSON values, tables and text lines on its friction.
+        Its friction, with tables and text lines.
     """
     return SOLVERS[scene.kind](scene)

@@ -8,6 +8,7 @@ import numpy as np
 
 from rollbench.compare.errors import SceneNotCoveredError
 from rollbench.compare.quantities import json_number
+from rollbench.compare.results.data import FrictionBall
 from rollbench.compare.scenes.friction_kinds.bearings import LinearBearingScene
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.text.printing import Column
@@ -60,27 +61,27 @@ def linear_bearing_loads(scene: LinearBearingScene) -> tuple[Array, Array, float
     return angles, force, float(np.abs(left).max()) / scene.vertical
 
 
-def json_rows_of_linear_balls(
+def balls_of_linear_bearing(
     scene: LinearBearingScene, angles: Array, force: Array, apart: ChainMotion, touching: ChainMotion
-) -> list[dict[str, Any]]:
-    """Return one JSON row per ball of a linear bearing: contact loads, speed, rotation and friction loss.
+) -> tuple[FrictionBall, ...]:
+    """Return the balls of a linear bearing: contact loads, speed, rotation and friction loss of each.
 
     ``angles``: contact angles (N, 4) [rad] at the four contacts of N balls; ``force``: contact loads (N, 4) [N];
-    ``apart`` and ``touching``: solutions with the balls far apart, and with balls that touch. Each row has the speeds
+    ``apart`` and ``touching``: solutions with the balls far apart, and with balls that touch. Each ball has the speeds
     of both solutions, but rotation and loss with touching balls only.
     """
-    rows = []
+    balls = []
     for k in range(force.shape[0]):
-        row: dict[str, Any] = {"index": k + 1, "side_force_ratio": json_number(scene.side[k])}
-        row |= answer.ball_loads_json(bearing.CONTACTS, force[k], angles[k])
+        entries: dict[str, Any] = {"index": ..., "side_force_ratio": json_number(scene.side[k])}
+        entries |= answer.ball_loads_json(bearing.CONTACTS, force[k], angles[k])
         for name, r in (("apart", apart), ("touching", touching)):
-            row[f"velocity_{name}_mm_s"] = json_number(1e3 * r.q[k, 0])
+            entries[f"velocity_{name}_mm_s"] = json_number(1e3 * r.q[k, 0])
             deviation = linear_chain.velocity_deviations(scene.bearing, r)[k] if scene.bearing.speed != 0.0 else None
-            row[f"deviation_{name}_percent"] = None if deviation is None else json_number(100.0 * deviation)
-        row["rotation_rad_s"] = [*(json_number(w) for w in touching.q[k, [3, 1]]), 0.0]
-        row["groove_loss_mW"] = json_number(1e3 * touching.groove_loss[k].sum())
-        rows.append(row)
-    return rows
+            entries[f"deviation_{name}_percent"] = None if deviation is None else json_number(100.0 * deviation)
+        entries |= {"rotation_rad_s": ..., "groove_loss_mW": json_number(1e3 * touching.groove_loss[k].sum())}
+        rotation = [*(json_number(w) for w in touching.q[k, [3, 1]]), 0.0]
+        balls.append(FrictionBall(index=k + 1, rotation=rotation, entries=entries))
+    return tuple(balls)
 
 
 def json_rows_of_neighbouring_balls(scene: LinearBearingScene, touching: ChainMotion) -> list[dict[str, Any]]:
@@ -109,37 +110,54 @@ def solve_friction_of_linear_bearing(scene: LinearBearingScene) -> answer.Fricti
     second = linear_chain.find_second_equilibrium(chains[1], near) if near.converged else None
     loads_good = scene.distribution == "diagonal" or left <= BALANCED
     converged = loads_good and apart.converged and near.converged
-    balls = json_rows_of_linear_balls(scene, angles, force, apart, near)
+    balls = balls_of_linear_bearing(scene, angles, force, apart, near)
     pairs = json_rows_of_neighbouring_balls(scene, near)
     bound = scene.bearing.mu * float(force.sum()) * abs(scene.bearing.speed)
     ball_loss = float(near.ball_loss.sum())
     semi = np.asarray(scene.bearing.contact_hertz_constants().C_a * np.cbrt(force))
     motion_status = "converged" if near.converged else "not converged"
     status = motion_status if loads_good else "no balance of the loads found"
-    data = answer.json_entries_of_all_kinds(scene, status, converged) | {
-        "law": "coulomb",
-        "distribution": scene.distribution,
-        "coupled": False,
-        "balls": balls,
-        "pairs": pairs,
-        "drive_N": json_number(linear_chain.carriage_drive_force(near.wrench)),
-        "drive_apart_N": json_number(linear_chain.carriage_drive_force(apart.wrench)),
-        "second_state": None if second is None else jammed_equilibrium_as_json(near, second),
-        "second_state_words": sentence_on_jammed_equilibrium(chains[1], second),
-        **answer.ball_to_ball_contact_effect_json(near.input_power, near.loss, apart.loss, ball_loss, bound),
-        "solver": {
-            "load_imbalance": json_number(left),
-            "residual": json_number(near.largest_unbalanced_force / (chains[1].largest_friction_bound or 1.0)),
-            "lag": json_number(near.largest_gap_violation / (abs(scene.bearing.speed) or 1.0)),
-            "iterations": near.steps,
+    residual = near.largest_unbalanced_force / (chains[1].largest_friction_bound or 1.0)
+    drive, drive_apart = (linear_chain.carriage_drive_force(motion.wrench) for motion in (near, apart))
+    states = sentence_on_jammed_equilibrium(chains[1], second)
+    record = answer.friction_of_parts(
+        scene,
+        status,
+        converged,
+        {
+            "law": "coulomb",
+            "distribution": scene.distribution,
+            "coupled": False,
+            "balls": ...,
+            "pairs": pairs,
+            "drive_N": json_number(drive),
+            "drive_apart_N": json_number(drive_apart),
+            "second_state": None if second is None else jammed_equilibrium_as_json(near, second),
+            "second_state_words": states,
+            **answer.ball_to_ball_contact_effect(near.input_power, near.loss, apart.loss, ball_loss, bound),
+            "solver.load_imbalance": json_number(left),
+            "solver.residual": json_number(residual),
+            "solver.lag": json_number(near.largest_gap_violation / (abs(scene.bearing.speed) or 1.0)),
+            "solver.iterations": near.steps,
         },
-        "warnings": [*contact_size_warnings(semi, scene.bearing.ball_radius), *jammed_state_warnings(near, second)],
-    }
+        loss=near.loss,
+        balls=balls,
+        warnings=(*contact_size_warnings(semi, scene.bearing.ball_radius), *jammed_state_warnings(near, second)),
+    )
+    rise = answer.loss_increase_percent(near.loss, apart.loss, bound)
+    force_line = f"{drive:.6g} N drive the carriage, {drive_apart:.6g} N with the balls apart"
+    lines = [
+        ("force", force_line + ("" if rise is None else f": ball-to-ball contact changes it by {rise:+.4g} %")),
+        ("states", states),
+        answer.line_on_energy_balance(near.input_power, near.loss),
+        ("solver", f"loads out of balance by {left:.1e} of the vertical force, friction by {residual:.1e} of its bound"),
+        ("law", f"coulomb, loads {scene.distribution}; loads do not depend on friction"),
+    ]
     tables = [
-        ("per ball", BALL_COLUMNS, [answer.terminal_ball_row(bearing.CONTACTS, row) for row in balls]),
+        ("per ball", BALL_COLUMNS, [answer.terminal_ball_row(bearing.CONTACTS, ball.as_json()) for ball in balls]),
         ("between balls", PAIR_COLUMNS, pairs),
     ]
-    return answer.FrictionAnswer(data, [t for t in tables if t[2]], lines_on_linear_bearing(data), converged)
+    return answer.FrictionAnswer(record, [t for t in tables if t[2]], lines)
 
 
 def jammed_equilibrium_as_json(touching: ChainMotion, jammed: ChainMotion) -> dict[str, Any]:
@@ -186,23 +204,6 @@ def jammed_state_warnings(touching: ChainMotion, jammed: ChainMotion | None) -> 
         f"{rolls:.6g} N; which state occurs depends on the motion before"
     )
     return [ResultWarning("jam", text, brief)]
-
-
-def lines_on_linear_bearing(data: dict[str, Any]) -> list[answer.Line]:
-    """Return terminal lines (label, text) on the balls of a linear bearing.
-
-    ``data``: JSON values of `solve_friction_of_linear_bearing`.
-    """
-    rise, solver = data["friction_increase_percent"], data["solver"]
-    drive = f"{data['drive_N']:.6g} N drive the carriage, {data['drive_apart_N']:.6g} N with the balls apart"
-    loads = f"loads out of balance by {solver['load_imbalance']:.1e} of the vertical force"
-    return [
-        ("force", drive + ("" if rise is None else f": ball-to-ball contact changes it by {rise:+.4g} %")),
-        ("states", data["second_state_words"]),
-        answer.line_on_energy_balance(data["energy"]),
-        ("solver", f"{loads}, friction by {solver['residual']:.1e} of its bound"),
-        ("law", f"coulomb, loads {data['distribution']}; loads do not depend on friction"),
-    ]
 
 
 #: Columns of the terminal's table of balls; v is the velocity of a ball, "apart" means balls too far apart to touch.

@@ -14,18 +14,27 @@ import numpy as np
 
 from rollbench.compare import quantities
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.friction_sums import friction_results_json
+from rollbench.compare.models.friction_sums import friction_results_json, friction_torques
+from rollbench.compare.models.friction_torques import FrictionTorques
 from rollbench.compare.models.load_cases import motor_torques_and_inertias
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.models.set_results import SetResult as ResultOfSet
 from rollbench.compare.quantities import format_range, json_number
+from rollbench.compare.results import data as records
+from rollbench.compare.results.data import FrictionCases, FrictionOfSet
 from rollbench.compare.results.solving import solve_shaft
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import kind_of_scene
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.studies.friction import whole as friction_whole
-from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, format_three_digits, power_balance_json
+from rollbench.compare.studies.friction.answer import (
+    NOTHING,
+    FrictionAnswer,
+    format_three_digits,
+    from_fields,
+    power_balance,
+)
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.state import FrictionCase, FrictionState, friction_states
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
@@ -97,11 +106,6 @@ def solve_friction_of_scene(scene: Described, choices: friction_whole.FrictionCh
     return solve_friction_of_single_parts(scene)
 
 
-def friction_answer_json(found: FrictionAnswer) -> dict[str, Any]:
-    """Return the JSON values of the friction of a scene, with the short warning that the terminal shows above them."""
-    return found.data | {"warning": found.warning or None}
-
-
 #: Note if the scene states no coefficient of friction for its balls.
 NO_COEFFICIENT = "No coefficient of friction is given: torques of bearings are those of the formulas."
 
@@ -142,6 +146,21 @@ OVER_COLUMNS: tuple[Column, ...] = (
     ("driving_torque_on_screw_Nmm", "torque on the shaft N mm", ".5g"),
 )
 
+#: Keys of the torques of a shaft, in the order of the JSON.
+SHAFT_KEYS = (
+    "friction_torque_Nmm",
+    "reverse_friction_torque_Nmm",
+    "drag_torque_Nmm",
+    "driving_torque_on_screw_Nmm",
+    "forward_torque_Nmm",
+    "backward_torque_Nmm",
+    "efficiency_forward_percent",
+    "efficiency_backward_percent",
+)
+
+#: First entries of the JSON of a shaft.
+HEAD = from_fields("scene", "title", "kind", "model", "status", "converged")
+
 #: Nuts and ball bearings of a shaft: number from 0, static result and friction.
 SolvedSets = list[tuple[int, SetResult, FrictionState]]
 
@@ -164,21 +183,25 @@ def solve_friction_of_shaft(assembly: Assembly, choices: friction_whole.Friction
     solved = solve_shaft(assembly, choices.model, choices.member)
     result = solved.solution
     assert isinstance(result, AxisResult)
-    head = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}
+    head: dict[str, Any] = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}
     if not solved.converged:
-        remarks = {"assumed": list(assembly.assumed), "left_out": [], "warnings": []}
-        failed = head | {"status": f"contact loads: {result.status}", "converged": False} | remarks
-        return FrictionAnswer(failed, [], [], False)
+        status, entries = f"contact loads: {result.status}", HEAD | friction_whole.REMARKS
+        record = records.Friction(**head, reason=status, converged=False, assumed=assembly.assumed, entries=entries)
+        return FrictionAnswer(record)
     if not pairs:
         return _answer_on_shaft(head, assembly, result, solved.sets, (Friction(0.0, 0.0), motion, [], {}))
     each = _friction_of_nuts_and_bearings(result, pairs, motion)
     drag = _drag_torques_of_nuts_and_bearings(assembly, result, pairs[0], motion)
     found = _answer_on_shaft(head, assembly, result, solved.sets, (pairs[0], motion, each[0], drag))
-    over = [{"screw": f.screw, "nut": f.nut} | _torques_of_shaft(states, {}) for f, states in zip(pairs, each, strict=True)]
+    over = [
+        {"screw": f.screw, "nut": f.nut} | FrictionTorques(**_torques_of_shaft(states, {})).torques_as_json(SHAFT_KEYS)
+        for f, states in zip(pairs, each, strict=True)
+    ]
     tables = list(found.tables)
     if len(pairs) > 1:
         tables.append(("over the coefficient of friction", OVER_COLUMNS, over))
-    return replace(found, data=found.data | {"over_friction": over}, tables=tables)
+    record = replace(found.record, entries={**found.record.entries, "over_friction": over})
+    return replace(found, record=record, tables=tables)
 
 
 def _friction_coefficients_of_shaft(assembly: Assembly, mu: Sequence[float]) -> list[Friction]:
@@ -228,15 +251,15 @@ def _drag_torques_of_nuts_and_bearings(
 
 
 def _answer_on_shaft(
-    head: dict[str, str],
+    head: dict[str, Any],
     assembly: Assembly,
     result: AxisResult,
     sets: Mapping[str, ResultOfSet],
     found: tuple[Friction, Motion, SolvedSets, dict[int, float]],
 ) -> FrictionAnswer:
-    """Return the friction of a shaft with several nuts and bearings as JSON values, tables and text lines.
+    """Return the friction of a shaft with several nuts and bearings, with tables and text lines.
 
-    ``head``: JSON entries on scene and model; ``result``: static solution of the shaft; ``sets``: results of its nuts and
+    ``head``: fields on scene and model; ``result``: static solution of the shaft; ``sets``: results of its nuts and
     bearings by name; ``found``: coefficients of friction, motion, friction of the nuts and ball bearings, and their drag
     torques [N m] by number.
     """
@@ -246,63 +269,77 @@ def _answer_on_shaft(
         for _, s, x in solved
         if x.all_balanced
     }
-    drive = quantities.record_as_json(motor_torques_and_inertias(assembly, {**sets, **rubbing}))
-    rows = []
-    for i, s, state in solved:
-        torques = friction_results_json(state.friction_sums, drag.get(i))
-        rows.append({"set": i + 1, "name": s.of.name} | torques | {"loss_W": json_number(state.friction_sums.power)})
-    balls = [{"set": i + 1} | row for i, s, state in solved if s.balls for row in answer.json_rows_of_balls(s.balls, state)]
+    drive = motor_torques_and_inertias(assembly, {**sets, **rubbing})
+    each = tuple(
+        FrictionOfSet(
+            set=i + 1, name=s.of.name, loss=x.friction_sums.power, **friction_torques(x.friction_sums, drag.get(i))
+        )
+        for i, s, x in solved
+    )
+    balls = tuple(
+        ball for i, s, x in solved if s.balls is not None for ball in answer.balls_with_friction(s.balls, x, i + 1)
+    )
     losses = [{"set": i + 1} | row for i, _, state in solved for row in answer.losses_by_contact_and_cause(state)]
     failed = next((x for x in solved if not x[2].all_balanced), None)
-    torque, power = _torques_of_shaft(solved, drag), _powers_of_shaft(solved)
+    torques, imbalance = _torques_of_shaft(solved, drag), [x.ball_friction.largest_imbalance_ratio for _, _, x in solved]
     of_rollers = tuple(f"{s.of.name}: " for s in result.sets if s.balls is None)  # whose loads friction leaves as they are
     warnings = [w for w in result.warnings if w.startswith(of_rollers)]
     warnings += answer.warnings_without_pressure_and_size([w for w in result.warnings if not w.startswith(of_rollers)])
     for _, s, state in solved:
         if isinstance(s.of.parts, Scene):
             warnings += [w.with_part_name(s.of.name) for w in answer.friction_warnings(s.of.parts, friction, state, ())]
-    data = head | {
-        "status": "converged" if failed is None else f"{failed[1].of.name}: {friction_whole.friction_status(failed[2])}",
-        "converged": failed is None,
-        "law": "coulomb",
-        "friction": {"screw": friction.screw, "nut": friction.nut},
-        "motion": {"turns": motion.turns, "speed_rad_s": json_number(motion.speed)},
-        "sets": rows,
-        "balls": balls,
-        "torque": torque,
-        "drive": drive,
-        "losses": {"total_W": json_number(sum(x.friction_sums.power for _, _, x in solved)), "by_contact_W": losses},
-        "energy": power,
-        "assumed": [
+    loss = float(sum(x.friction_sums.power for _, _, x in solved))
+    found_on_shaft = records.Friction(
+        **head,
+        **torques,
+        reason="converged" if failed is None else f"{failed[1].of.name}: {friction_whole.friction_status(failed[2])}",
+        converged=failed is None,
+        screw_coefficient=friction.screw,
+        nut_coefficient=friction.nut,
+        turns=motion.turns,
+        speed=motion.speed,
+        loss=loss,
+        sets=each,
+        balls=balls,
+        drive=drive,
+        assumed=(
             *friction.assumed,
             *(() if assembly.motion else (friction_whole.NO_SPEED,)),
             *assembly.assumed,
             *(f"contact loads: {x}" for x in result.assumed if x not in assembly.assumed),
             *(() if solved else (NO_COEFFICIENT,)),
-        ],
-        "left_out": answer.effects_neglected_at_one_instant(friction) if solved else [],
-        "warnings": warnings,
-    }
-    flat = [{"set": b["set"]} | f for b, f in zip(balls, answer.terminal_ball_rows(balls), strict=True)]
-    every = [("per ball", (("set", "set", "s"), *answer.BALL_COLUMNS), flat)]
-    text = (
-        f"{torque['driving_torque_on_screw_Nmm']:+.3g} N mm about +z drive the shaft at {motion.speed:.6g} rad/s at its "
-        f"ball nuts and ball bearings; their friction torque {format_three_digits(torque['friction_torque_Nmm'])} N mm"
+        ),
+        left_out=tuple(answer.effects_neglected_at_one_instant(friction) if solved else ()),
+        warnings=tuple(warnings),
+        entries={
+            **HEAD,
+            "law": "coulomb",
+            **from_fields("friction.screw", "friction.nut", "motion.turns", "motion.speed_rad_s", "sets", "balls"),
+            **from_fields(*(f"torque.{key}" for key in SHAFT_KEYS), "drive", "losses.total_W"),
+            "losses.by_contact_W": losses,
+            **_powers_of_shaft(solved, loss),
+            **friction_whole.REMARKS,
+        },
     )
-    imbalance = max((x.ball_friction.largest_imbalance_ratio for _, _, x in solved), default=0.0)
-    left = answer.line_on_remaining_imbalance(result.solver.residual, imbalance)
+    every = [("per ball", (("set", "set", "s"), *answer.BALL_COLUMNS), answer.terminal_ball_rows(balls))]
+    text = (
+        f"{1e3 * torques['driving_torque_on_screw']:+.3g} N mm about +z drive the shaft at {motion.speed:.6g} rad/s at its "
+        f"ball nuts and ball bearings; their friction torque {format_three_digits(1e3 * torques['torque'])} N mm"
+    )
+    left = answer.line_on_remaining_imbalance(result.solver.residual, max(imbalance, default=0.0))
     lines = [("torque", text), left] if solved else [left]
+    rows = [one.as_json() for one in each]
     tables = [("ball nuts and ball bearings: friction of their contacts", SET_COLUMNS, rows)] if solved else []
     whole = [
         {k: format_range(x[k]) if form == "s" and k.endswith("Nmm") else x[k] for k, _, form in DRIVE_COLUMNS}
-        for x in (drive or {}).get("sets", ())
+        for x in (quantities.record_as_json(drive) or {}).get("sets", ())
     ]
     tables.append(("torque that turns the shaft", DRIVE_COLUMNS, whole))
     if rollers := _torques_of_roller_rows(sets):
-        data |= {"roller_torques": rollers}
+        found_on_shaft = replace(found_on_shaft, entries={**found_on_shaft.entries, "roller_torques": rollers})
         title = "rows of tapered rollers: friction torque (from 0.03 to 0.15 of rib friction where none is given)"
         tables.append((title, ROLLER_COLUMNS, [_row_of_roller_torque(x) for x in rollers]))
-    return FrictionAnswer(data, tables, lines, failed is None, every)
+    return FrictionAnswer(found_on_shaft, tables, lines, every)
 
 
 def _torques_of_roller_rows(sets: Mapping[str, ResultOfSet]) -> list[dict[str, Any]]:
@@ -322,52 +359,50 @@ def _row_of_roller_torque(torque: dict[str, Any]) -> dict[str, Any]:
     return torque | ranges | inch_pounds
 
 
-def _powers_of_shaft(solved: SolvedSets) -> dict[str, Any]:
+def _powers_of_shaft(solved: SolvedSets, loss: float) -> dict[str, Any]:
     """Return input power, losses and further powers [W], summed over nuts and ball bearings of a shaft, and the efficiency.
 
     Powers are input power and friction loss of the contacts, power of the driving torque, and power of the axial loads. The
     efficiency is None unless the torque does work against the axial loads, or the axial loads do work against the torque.
-    The powers and the efficiency are JSON values.
+    The powers and the efficiency are entries of the JSON; the loss is a field of the record.
     """
     torques = [x.friction_sums for _, _, x in solved]
     turning = float(np.sum([t.driving_torque_on_screw * t.speed for t in torques]))
     along = float(np.sum([t.axial_load * t.advance_per_radian * t.speed for t in torques]))
-    taken, lost = (float(np.sum([getattr(t, name) for t in torques])) for name in ("input_power", "power"))
+    taken = float(np.sum([t.input_power for t in torques]))
     driving, driven = max(turning, along), min(turning, along)
-    return power_balance_json(taken, lost) | {
-        "axial_load_power_W": json_number(along),
-        "torque_power_W": json_number(turning),
-        "efficiency_percent": json_number(-100.0 * driven / driving) if driven < -NOTHING * driving else None,
+    return power_balance(taken, loss) | {
+        "energy.axial_load_power_W": json_number(along),
+        "energy.torque_power_W": json_number(turning),
+        "energy.efficiency_percent": json_number(-100.0 * driven / driving) if driven < -NOTHING * driving else None,
     }
 
 
 def _torques_of_shaft(solved: SolvedSets, drag: dict[int, float]) -> dict[str, Any]:
-    """Return friction, drag and driving torques [N mm] of all nuts and ball bearings of a shaft, and their efficiencies.
+    """Return friction, drag and driving torques of all nuts and ball bearings of a shaft, and their efficiencies.
 
-    Torques in both senses of rotation are those of the contacts: the frictionless torque of all axial loads, and friction.
-    ``solved``: nuts and ball bearings with their friction; ``drag``: friction torques without loads [N m] by number of the
-    nut or bearing. The sum of the drag torques is None unless all are known.
+    They are fields of `FrictionTorques`. Torques in both senses of rotation are those of the contacts: the frictionless
+    torque of all axial loads, and friction. ``solved``: nuts and ball bearings with their friction; ``drag``: friction
+    torques without loads [N m] by number of the nut or bearing. The sum of the drag torques is None unless all are known.
     """
     torques = [x.friction_sums for _, _, x in solved]
     known = len(drag) == len(solved)
-    rubs = 1e3 * float(np.sum([t.friction_torque for t in torques]))
-    reverse = 1e3 * float(np.sum([t.reverse_power / abs(t.speed) for t in torques]))
-    moved = 1e3 * float(np.sum([t.advance_per_radian * t.axial_load for t in torques]))  # by the axial loads, about -z
-    frictionless, size = abs(moved), 1e3 * sum(abs(t.advance_per_radian * t.axial_load) for t in torques)
+    rubs = float(np.sum([t.friction_torque for t in torques]))
+    reverse = float(np.sum([t.reverse_power / abs(t.speed) for t in torques]))
+    moved = float(np.sum([t.advance_per_radian * t.axial_load for t in torques]))  # by the axial loads, about -z
+    frictionless, size = abs(moved), sum(abs(t.advance_per_radian * t.axial_load) for t in torques)
     with_load = bool(torques) and moved * torques[0].speed > 0.0
     against, back = (reverse, rubs) if with_load else (rubs, reverse)
     loaded = frictionless > NOTHING * size
     return {
-        "friction_torque_Nmm": json_number(rubs),
-        "reverse_friction_torque_Nmm": json_number(reverse),
-        "drag_torque_Nmm": json_number(1e3 * sum(drag.values())) if known else None,
-        "driving_torque_on_screw_Nmm": json_number(1e3 * float(np.sum([t.driving_torque_on_screw for t in torques]))),
-        "forward_torque_Nmm": json_number(frictionless + against) if loaded else None,
-        "backward_torque_Nmm": json_number(frictionless - back) if loaded else None,
-        "efficiency_forward_percent": json_number(100.0 * frictionless / (frictionless + against)) if loaded else None,
-        "efficiency_backward_percent": json_number(100.0 * (frictionless - back) / frictionless)
-        if loaded and back < frictionless
-        else None,
+        "torque": rubs,
+        "reverse_torque": reverse,
+        "drag_torque": float(sum(drag.values())) if known else None,
+        "driving_torque_on_screw": float(np.sum([t.driving_torque_on_screw for t in torques])),
+        "forward_torque": frictionless + against if loaded else None,
+        "backward_torque": frictionless - back if loaded else None,
+        "efficiency_forward": frictionless / (frictionless + against) if loaded else None,
+        "efficiency_backward": (frictionless - back) / frictionless if loaded and back < frictionless else None,
     }
 
 
@@ -389,48 +424,48 @@ def solve_friction_of_duty_cycle(cycle: DutyCycle, choices: friction_whole.Frict
     results of the other load cases are returned without a mean torque. Raises InputError for inputs for which
     `solve_friction_of_screw_or_bearing` or `solve_friction_of_shaft` raises it.
     """
-    each = [(case, solve_friction_of_scene(case.scene, choices, cycle.name)) for case in cycle.cases]
-    rows: list[dict[str, Any]] = []
-    for case, one in each:
-        torque = one.data.get("torque") or {}
-        rows.append({"case": case.name, "share": case.share} | {name: torque.get(name) for name, *_ in COLUMNS[2:]})
-    failed = [case.name for case, one in each if not one.converged]
-    known = [row for row in rows if row["friction_torque_Nmm"] is not None]
-    worst = max(known, key=lambda row: abs(row["friction_torque_Nmm"]), default=None)
-    needed = [row["friction_torque_Nmm"] if row["case"] not in failed else None for row in rows if row["share"] > 0.0]
-    mean = None if None in needed else sum(row["share"] * row["friction_torque_Nmm"] for row in rows if row["share"] > 0.0)
+    answers = [solve_friction_of_scene(case.scene, choices, cycle.name) for case in cycle.cases]
+    each = [
+        replace(
+            one.record,
+            scene=cycle.name,
+            case=case.name,
+            share=case.share,
+            entries=from_fields("case", "share") | dict(one.record.entries),
+        )
+        for case, one in zip(cycle.cases, answers, strict=True)
+    ]
+    failed = [one.case for one in each if not one.converged]
+    known = [(one.torque, one.case) for one in each if one.torque is not None]
+    worst = max(known, key=lambda row: abs(row[0]), default=(None, None))
+    turned = [(one.share or 0.0, one.torque if one.converged else None) for one in each if one.share]
+    mean = None if any(torque is None for _, torque in turned) else sum(share * (torque or 0.0) for share, torque in turned)
     words = "" if mean is not None else f"none, because case {failed[0]} has no friction" if failed else "no load"
-    largest = "none"
-    if worst is not None:
-        largest = f"{format_three_digits(worst['friction_torque_Nmm'])} N mm in case {worst['case']}"
-    known_mean = words if mean is None else f"{format_three_digits(mean)} N mm"
+    largest = "none" if worst[0] is None else f"{format_three_digits(1e3 * worst[0])} N mm in case {worst[1]}"
+    known_mean = words if mean is None else f"{format_three_digits(1e3 * mean)} N mm"
     lines = [("torque", f"largest of friction {largest}; mean over the duty cycle {known_mean}")]
-    for case, one in each:
-        lines += [("", ""), ("case", f"{case.name}, share {case.share:.4g}: {one.data['status']}"), *one.lines]
-
-    def entries_of_all_cases(key: str) -> list[Any]:
-        """Return the entries of the lists ``key`` in the JSON values of all load cases, without repeating equal entries."""
-        return list(dict.fromkeys(line for _, one in each for line in one.data.get(key, ())))
-
-    data: dict[str, Any] = {
-        "scene": cycle.name,
-        "title": cycle.title,
-        "kind": kind_of_scene(cycle),
-        "status": "; ".join(f"case {c.name}: {one.data['status']}" for c, one in each if not one.converged) or "converged",
-        "converged": not failed,
-        "summary": {
-            "largest_friction_torque_Nmm": worst and worst["friction_torque_Nmm"],
-            "largest_friction_torque_case": worst and worst["case"],
-            "mean_friction_torque_Nmm": None if mean is None else json_number(mean),
-            "mean_words": words or None,
-        },
-        "cases": [{"case": c.name, "share": c.share} | one.data | {"scene": cycle.name} for c, one in each],
-        "assumed": entries_of_all_cases("assumed"),
-        "left_out": entries_of_all_cases("left_out"),
-        "warnings": [w.with_part_name(f"case {case.name}") for case, one in each for w in one.data.get("warnings", ())],
-    }
-    tables, balls = (
-        [(f"case {case.name}: {title}", *rest) for case, one in each for title, *rest in getattr(one, kind)]
-        for kind in ("tables", "ball_tables")
+    for one, answer_of_case in zip(each, answers, strict=True):
+        lines += [("", ""), ("case", f"{one.case}, share {one.share:.4g}: {one.reason}"), *answer_of_case.lines]
+    record = records.Friction(
+        scene=cycle.name,
+        title=cycle.title,
+        kind=kind_of_scene(cycle),
+        reason="; ".join(f"case {one.case}: {one.reason}" for one in each if not one.converged) or "converged",
+        converged=not failed,
+        together=FrictionCases(largest=worst[0], case=worst[1], mean=mean, words=words or None),
+        cases={str(one.case): one for one in each},
+        assumed=tuple(dict.fromkeys(line for one in each for line in one.assumed)),
+        left_out=tuple(dict.fromkeys(line for one in each for line in one.left_out)),
+        warnings=tuple(w.with_part_name(f"case {one.case}") for one in each for w in one.warnings),
+        entries=from_fields("scene", "title", "kind", "status", "converged", "summary", "cases") | friction_whole.REMARKS,
     )
-    return FrictionAnswer(data, [("load cases", COLUMNS, rows), *tables], lines, not failed, balls)
+    rows = [{"case": one.case, "share": one.share} | one.torques_as_json([key for key, *_ in COLUMNS[2:]]) for one in each]
+    tables, balls = (
+        [
+            (f"case {one.case}: {title}", columns, body)
+            for one, of in zip(each, all_of, strict=True)
+            for title, columns, body in of
+        ]
+        for all_of in ([one.tables for one in answers], [one.ball_tables for one in answers])
+    )
+    return FrictionAnswer(record, [("load cases", COLUMNS, rows), *tables], lines, balls)

@@ -16,15 +16,17 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
 from rollbench.compare.models.answers import results_of_contact_loads, validity_warnings
-from rollbench.compare.models.friction_sums import friction_results_json, without_times_and_warnings
+from rollbench.compare.models.friction_sums import friction_torques, without_times_and_warnings
+from rollbench.compare.models.friction_torques import TORQUE_KEYS
 from rollbench.compare.models.loading import preload_from_unloaded
 from rollbench.compare.models.registry import DEFAULT, ModelOptions, run_model
-from rollbench.compare.quantities import count_with_noun, json_number, record_as_json
-from rollbench.compare.results.data import FrictionOnset
+from rollbench.compare.quantities import count_with_noun, json_number
+from rollbench.compare.results import data as records
+from rollbench.compare.results.data import FrictionBand, FrictionOnset, FrictionPlay
 from rollbench.compare.scenes.scene_file import kind_of_scene
 from rollbench.compare.studies.friction import answer as output
 from rollbench.compare.studies.friction import run as friction_run
-from rollbench.compare.studies.friction.answer import FrictionAnswer, Line, format_three_digits, power_balance_json
+from rollbench.compare.studies.friction.answer import FrictionAnswer, Line, format_three_digits, from_fields, power_balance
 from rollbench.lowfi.friction.whole.circuit import contact_onset
 from rollbench.lowfi.friction.whole.state import FrictionCase, FrictionState, friction_of_curved_contacts, friction_states
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
@@ -144,12 +146,12 @@ def axial_preload(solved: StaticallySolvedPart) -> float:
     return preload_from_unloaded(solved.scene, idle).axial if idle.converged else 0.0
 
 
-def torques_at_measured_coefficients(solved: StaticallySolvedPart, result: StaticResult) -> dict[str, Any]:
-    """Return friction torques [N mm] at the smallest and largest coefficient of friction in measurements (`MEASURED`).
+def torques_at_measured_coefficients(solved: StaticallySolvedPart, result: StaticResult) -> FrictionBand:
+    """Return friction torques at the smallest and largest coefficient of friction in measurements (`MEASURED`).
 
-    The JSON values have the torques under the scene's loads, the drag torques (friction torques without these loads),
-    the axial preload [N], and the drag torque by the makers' formula `drag_torque_by_makers_formula`. Preload and drag
-    torques are null for a scene without preload. ``solved``: the scene with its static result without loads; ``result``:
+    The band has the torques under the scene's loads, the drag torques (friction torques without these loads), the axial
+    preload, and the drag torque by the makers' formula `drag_torque_by_makers_formula`. Preload and drag torques are None
+    for a scene without preload. ``solved``: the scene with its static result without loads; ``result``:
     static result under the loads.
     """
     scene, idle = solved.scene, solved.unloaded_result
@@ -157,28 +159,28 @@ def torques_at_measured_coefficients(solved: StaticallySolvedPart, result: Stati
     pressed = preload > 0.0 and scene.track.lead > 0.0
     drag = None
     if pressed:
-        drag = [json_number(1e3 * torque) for torque in solved.torques([solved.case(idle, end) for end in ends])]
-    return {
-        "coefficients": list(MEASURED),
-        "friction_torque_Nmm": [json_number(1e3 * x) for x in solved.torques([solved.case(result, end) for end in ends])],
-        "drag_torque_Nmm": drag,
-        "preload_N": json_number(preload) if pressed else None,
-        "makers_formula_Nmm": json_number(1e3 * drag_torque_by_makers_formula(scene, preload)) if pressed else None,
-    }
+        drag = [json_number(torque) for torque in solved.torques([solved.case(idle, end) for end in ends])]
+    return FrictionBand(
+        coefficients=MEASURED,
+        torque=[json_number(x) for x in solved.torques([solved.case(result, end) for end in ends])],
+        drag_torque=drag,
+        preload=preload if pressed else None,
+        makers=drag_torque_by_makers_formula(scene, preload) if pressed else None,
+    )
 
 
-def lines_on_drag_torque(data: dict[str, Any]) -> list[Line]:
+def lines_on_drag_torque(band: FrictionBand) -> list[Line]:
     """Return a terminal line (label, text) on the drag torque at both measured coefficients and by the makers' formula.
 
-    The list is empty for a scene without preload. ``data``: JSON values of `torques_at_measured_coefficients`.
+    The list is empty for a scene without preload. ``band``: `torques_at_measured_coefficients`.
     """
-    if data["makers_formula_Nmm"] is None:
+    if band.makers is None:
         return []
-    torques = " to ".join("(none found)" if x is None else f"{x:.3g}" for x in data["drag_torque_Nmm"])
+    torques = " to ".join("(none found)" if x is None else f"{1e3 * x:.3g}" for x in band.drag_torque or ())
     text = (
         f"without load {torques} N mm at coefficients of friction from {MEASURED[0]:g} "
         f"to {MEASURED[1]:g}; makers' formula 0.05/sqrt(tan(lead angle)) F l/(2 pi) for the preload of "
-        f"{data['preload_N']:.4g} N: {format_three_digits(data['makers_formula_Nmm'])} N mm"
+        f"{band.preload:.4g} N: {format_three_digits(1e3 * band.makers)} N mm"
     )
     return [("drag", text)]
 
@@ -200,32 +202,28 @@ def result_with_play(solved: StaticallySolvedPart, result: StaticResult) -> tupl
 
 def torque_with_play(
     solved: StaticallySolvedPart, state: FrictionState, with_play: tuple[Scene, StaticResult]
-) -> dict[str, Any]:
-    """Return a screw's friction torques with the balls of the scene and with smaller balls, which have play, as JSON.
+) -> FrictionPlay:
+    """Return a screw's friction torques with the balls of the scene and with smaller balls, which have play.
 
-    The JSON values have the reduction of the ball radius, which is `SMALLER`, in um, and both torques [N mm]. ``solved``:
-    the scene; ``state``: friction with its balls; ``with_play``: `result_with_play`.
+    ``solved``: the scene; ``state``: friction with its balls; ``with_play``: `result_with_play`.
     """
     scene, result = with_play
     (torque,) = solved.torques([solved.case(result, solved.friction, scene)])
-    return {
-        "smaller_by_um": 1e6 * SMALLER,
-        "friction_torque_Nmm": json_number(1e3 * torque),
-        "friction_torque_as_given_Nmm": json_number(1e3 * state.friction_sums.friction_torque),
-    }
+    as_given = state.friction_sums.friction_torque
+    return FrictionPlay(smaller=SMALLER, torque=json_number(torque), as_given=json_number(as_given))
 
 
-def play_warning(data: dict[str, Any]) -> ResultWarning:
+def play_warning(play: FrictionPlay) -> ResultWarning:
     """Return a warning that the scene states neither play nor preload, with the friction torques with and without play.
 
-    ``data``: JSON values of `torque_with_play`.
+    ``play``: `torque_with_play`.
     """
-    value = data["friction_torque_Nmm"]
-    other = "none found" if value is None else f"{value:.4g} N mm"
+    other = "none found" if play.torque is None else f"{1e3 * play.torque:.4g} N mm"
+    as_given = float("nan") if play.as_given is None else play.as_given
     text = (
         "no preload and no play are stated, and the play decides: friction torque "
-        f"{data['friction_torque_as_given_Nmm']:.4g} N mm with balls that fit exactly, {other} with balls "
-        f"{data['smaller_by_um']:g} um smaller in radius; state [errors.balls] oversize or a preload"
+        f"{1e3 * as_given:.4g} N mm with balls that fit exactly, {other} with balls "
+        f"{1e6 * play.smaller:g} um smaller in radius; state [errors.balls] oversize or a preload"
     )
     return ResultWarning("play", text, text)
 
@@ -465,7 +463,7 @@ def solve_friction_of_screw_or_bearing(scene: Scene, choices: FrictionChoices) -
     Returns
     -------
     FrictionAnswer
-        JSON values, tables and text lines on the friction.
+        The friction, with tables and text lines.
 
     Raises
     ------
@@ -483,12 +481,12 @@ def solve_friction_of_screw_or_bearing(scene: Scene, choices: FrictionChoices) -
         raise ArgumentError("condensed", f"{choices.condensed} with the model {model}", allowed, advice)
     options = ModelOptions(member=choices.member, condensed_bodies_file=choices.condensed, estimate_beam_mesh_error=False)
     result = run_model(scene, model, options)
-    named = {"scene": scene.name, "title": scene.title, "kind": kind_of_scene(scene), "model": result.model}
-    head: dict[str, object] = named | {"member": choices.member if scene.errors.random else None}
+    head: dict[str, Any] = {"scene": scene.name, "title": scene.title, "kind": kind_of_scene(scene), "model": result.model}
+    head["member"] = choices.member if scene.errors.random else None
     if not result.converged:
         status = f"contact loads: {result.status}"
-        data = head | {"status": status, "converged": False, "assumed": list(scene.assumed), "left_out": [], "warnings": []}
-        return FrictionAnswer(data, [], [], False)
+        record = records.Friction(**head, reason=status, converged=False, assumed=scene.assumed, entries=HEAD | REMARKS)
+        return FrictionAnswer(record)
     motion = scene.motion or ONE_TURN
     bare = result if not has_external_loads(scene) else run_model(replace(scene, loads=()), model, options)
     solved = StaticallySolvedPart(scene, model, options, pairs[0], motion, bare)
@@ -513,15 +511,15 @@ def _add_transient_run(answer: FrictionAnswer, run: friction_run.TransientRun) -
 
     ``answer``: friction at the instant that the scene describes; ``run``: simulation over time of the same screw.
     """
-    data = answer.data | {"run": friction_run.transient_simulation_as_json(run)}
-    good = answer.converged and run.converged
-    if answer.converged and not good:
-        data |= {"status": f"simulation over time: {run.status}"}
+    found = answer.record
+    entries = {**found.entries, "run": friction_run.transient_simulation_as_json(run)}
+    if found.converged and not run.converged:
+        found = replace(found, reason=f"simulation over time: {run.status}", converged=False)
     tables = list(answer.tables)
     if run.history.begun_step_count:
         tables.append(("torque over the angle", friction_run.COLUMNS, friction_run.torque_rows_over_angle(run.history)))
     lines = [*answer.lines, *friction_run.lines_on_simulation(run)]
-    return FrictionAnswer(data | {"converged": good}, tables, lines, good, answer.ball_tables)
+    return FrictionAnswer(replace(found, entries=entries), tables, lines, answer.ball_tables)
 
 
 def has_external_loads(scene: Scene) -> bool:
@@ -609,6 +607,10 @@ def friction_status(state: FrictionState) -> str:
     return "converged" if state.loaded else "converged: no contact carries load, so that nothing rubs"
 
 
+#: First and last entries of the JSON of a screw or bearing.
+HEAD = from_fields("scene", "title", "kind", "model", "member", "status", "converged")
+REMARKS = from_fields("assumed", "left_out", "warnings")
+
 #: Coefficients of friction of screw and nut, then for each pair of them the friction, then the drag torque.
 SolvedPairs = tuple[list[Friction], list[FrictionState], list[DragTorque]]
 
@@ -616,13 +618,13 @@ SolvedPairs = tuple[list[Friction], list[FrictionState], list[DragTorque]]
 def _build_friction_answer(
     scene: Scene,
     result: StaticResult,
-    head: dict[str, object],
+    head: dict[str, Any],
     solved: SolvedPairs,
     others: tuple[StaticallySolvedPart, tuple[Scene, StaticResult] | None],
 ) -> FrictionAnswer:
-    """Return JSON values, tables and lines on the friction of a whole screw or bearing.
+    """Return the friction of a whole screw or bearing, with tables and lines.
 
-    ``result``: static result under the loads; ``head``: JSON entries on scene and model; ``solved``: coefficients of
+    ``result``: static result under the loads; ``head``: fields on scene and model; ``solved``: coefficients of
     friction, then the friction and the drag torque for each pair of them; ``others``: the scene with its static result
     without loads, from which the torque is also computed for other coefficients of friction, and what `result_with_play`
     returns.
@@ -632,9 +634,8 @@ def _build_friction_answer(
     motion = scene.motion or ONE_TURN
     good = all(s.all_balanced for s in solved[1])
     status = friction_status(next((s for s in solved[1] if not s.all_balanced), state))
-    torque = friction_results_json(state.friction_sums, drag.torque)
     flat, curved = friction_of_curved_contacts(unloaded.case(result, friction), state) if state.loaded else (None, None)
-    rows, losses = output.json_rows_of_balls(result, state), output.losses_by_contact_and_cause(state, curved)
+    balls, losses = output.balls_with_friction(result, state), output.losses_by_contact_and_cause(state, curved)
     over = [output.torque_row_for_coefficients(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
     # assumptions of the model alone are marked, because the model neglects friction
     of_loads = [line if line in scene.assumed else f"contact loads: {line}" for line in result.assumed]
@@ -651,54 +652,57 @@ def _build_friction_answer(
     if abs(slip) > WIDE:
         text = f"the contacts are so wide that {output.heathcote_slip_clause(slip)}"
         warnings.append(ResultWarning("slip", text))
-    data = head | {
-        "status": status,
-        "converged": good,
-        "law": "coulomb",
-        "coupled": state.friction_changes_loads,
-        "friction": {"screw": friction.screw, "nut": friction.nut},
-        "motion": {"turns": motion.turns, "speed_rad_s": json_number(motion.speed)},
-        "balls": rows,
-        "torque": torque,
-        "band": wide,
-        "onset": record_as_json(near),
-        "play": played,
-        "drag_unknown": drag.reason_without_torque or None,
-        "drag_note": drag.note or None,
-        "over_friction": over,
-        "losses": {
-            "total_W": json_number(e.power),
-            "by_contact_W": losses,
-            "between_balls_W": json_number(between),
-            "heathcote_percent": json_number(100.0 * slip),
+    found = records.Friction(
+        **head,
+        **friction_torques(e, drag.torque),
+        reason=status,
+        converged=good,
+        screw_coefficient=friction.screw,
+        nut_coefficient=friction.nut,
+        turns=motion.turns,
+        speed=motion.speed,
+        loss=e.power,
+        imbalance=state.ball_friction.largest_imbalance_ratio,
+        balls=balls,
+        band=wide,
+        onset=near,
+        play=played,
+        assumed=tuple(assumed),
+        left_out=tuple(output.effects_neglected_at_one_instant(friction)),
+        warnings=tuple(output.friction_warnings(scene, friction, state, warnings)),
+        entries={
+            **HEAD,
+            "law": "coulomb",
+            "coupled": state.friction_changes_loads,
+            **from_fields("friction.screw", "friction.nut", "motion.turns", "motion.speed_rad_s", "balls"),
+            **from_fields(*(f"torque.{key}" for key in TORQUE_KEYS), "band", "onset", "play"),
+            "drag_unknown": drag.reason_without_torque or None,
+            "drag_note": drag.note or None,
+            "over_friction": over,
+            "losses.total_W": ...,
+            "losses.by_contact_W": losses,
+            "losses.between_balls_W": json_number(between),
+            "losses.heathcote_percent": json_number(100.0 * slip),
+            **power_balance(e.input_power, e.power),
+            "energy.axial_load_power_W": json_number(e.axial_load * e.advance_per_radian * e.speed),
+            "energy.torque_power_W": json_number(e.driving_torque_on_screw * e.speed),
+            "feedback.friction_torque_without_Nmm": json_number(1e3 * state.sums_without_feedback.friction_torque),
+            "feedback.unsettled_balls": len(state.unsettled_balls),
+            "feedback.axial_friction_on_screw_N": json_number(e.axial_friction_on_screw),
+            "feedback.balls_touching": output.ball_to_ball_forces_as_json(state),
+            "feedback.friction_over_load": json_number(e.cross_groove_friction_ratio),
+            "solver.static_residual": json_number(result.solver.residual),
+            "solver.friction_imbalance": ...,
+            "solver.feedback_change": json_number(state.change),
+            "solver.second_states": None if state.jammed_balls is None else [k + 1 for k in state.jammed_balls],
+            **REMARKS,
         },
-        "energy": power_balance_json(e.input_power, e.power)
-        | {
-            "axial_load_power_W": json_number(e.axial_load * e.advance_per_radian * e.speed),
-            "torque_power_W": json_number(e.driving_torque_on_screw * e.speed),
-        },
-        "feedback": {
-            "friction_torque_without_Nmm": json_number(1e3 * state.sums_without_feedback.friction_torque),
-            "unsettled_balls": len(state.unsettled_balls),
-            "axial_friction_on_screw_N": json_number(e.axial_friction_on_screw),
-            "balls_touching": output.ball_to_ball_forces_as_json(state),
-            "friction_over_load": json_number(e.cross_groove_friction_ratio),
-        },
-        "solver": {
-            "static_residual": json_number(result.solver.residual),
-            "friction_imbalance": json_number(state.ball_friction.largest_imbalance_ratio),
-            "feedback_change": json_number(state.change),
-            "second_states": None if state.jammed_balls is None else [k + 1 for k in state.jammed_balls],
-        },
-        "assumed": assumed,
-        "left_out": output.effects_neglected_at_one_instant(friction),
-        "warnings": output.friction_warnings(scene, friction, state, warnings),
-    }
+    )
     tables = [("losses by contact and cause", output.LOSS_COLUMNS, losses)] if state.loaded else []
     if len(over) > 1:
         columns = output.OVER_COLUMNS[:3] if kind_of_scene(scene) == "bearing" else output.OVER_COLUMNS
         tables.append(("over the coefficient of friction", columns, over))
-    every = [("per ball", output.BALL_COLUMNS, output.terminal_ball_rows(rows))] if state.loaded else []
+    every = [("per ball", output.BALL_COLUMNS, output.terminal_ball_rows(balls))] if state.loaded else []
     lines = [
         *output.lines_on_friction_of_screw(motion, state, (drag.torque, drag.reason_without_torque or drag.note)),
         *(lines_on_drag_torque(wide) if state.loaded else ()),
@@ -710,4 +714,4 @@ def _build_friction_answer(
     lines.append(output.line_on_remaining_imbalance(result.solver.residual, state.ball_friction.largest_imbalance_ratio))
     if e.friction_torque and abs(slip) <= WIDE:
         lines.append(("slip", "contacts are not flat: " + output.heathcote_slip_clause(slip)))
-    return FrictionAnswer(data, tables, lines, good, every)
+    return FrictionAnswer(found, tables, lines, every)

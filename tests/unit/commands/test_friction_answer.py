@@ -46,7 +46,7 @@ def test_two_start_left_hand_screw_of_a_file(tmp_path):
 
 def test_powers_of_several_sets_on_a_shaft_add_up():
     """What the axial loads of both nuts put in is what the shaft's torque takes out and friction loses."""
-    data = solve_friction_of_named_scene("double-nut", FrictionChoices(mu=(0.1,))).data
+    data = solve_friction_of_named_scene("double-nut", FrictionChoices(mu=(0.1,))).record.as_json()
     power, torque = data["energy"], data["torque"]
     speed = data["motion"]["speed_rad_s"]
     assert power["torque_power_W"] == pytest.approx(1e-3 * torque["driving_torque_on_screw_Nmm"] * speed, rel=1e-12)
@@ -59,39 +59,43 @@ def test_both_senses_of_rotation_stand_in_one_answer(name):
     """Torques against and with the load are those that drive and brake the scene turned the one way and the other."""
     scene = catalogue.scene_of_any_kind(name)
     there, back = (
-        solve_friction_of_scene(replace(scene, motion=Motion(speed)), FrictionChoices("lin", mu=(0.1,)), name).data
+        solve_friction_of_scene(replace(scene, motion=Motion(speed)), FrictionChoices("lin", mu=(0.1,)), name).record
         for speed in (50.0, -50.0)
     )
-    for one, other in ((there, back), (back, there)):
+    for record, turned in ((there, back), (back, there)):
+        one, other = record.as_json(), turned.as_json()
         t, driving = one["torque"], [abs(x["torque"]["driving_torque_on_screw_Nmm"]) for x in (one, other)]
         assert sorted(driving) == pytest.approx([t["backward_torque_Nmm"], t["forward_torque_Nmm"]], rel=1e-6)
         assert t["reverse_friction_torque_Nmm"] == pytest.approx(other["torque"]["friction_torque_Nmm"], rel=1e-6)
         against = max((one, other), key=lambda x: abs(x["torque"]["driving_torque_on_screw_Nmm"]))["torque"]
         frictionless = t["forward_torque_Nmm"] - against["friction_torque_Nmm"]
         assert t["efficiency_forward_percent"] == pytest.approx(100.0 * frictionless / t["forward_torque_Nmm"], rel=1e-6)
-        assert ("power lost", "at 477.5 rpm") in [(row.quantity, row.note) for row in friction_rows(one)]
+        assert ("power lost", "at 477.5 rpm") in [(row.quantity, row.note) for row in friction_rows(record)]
 
 
 def test_nothing_loaded_is_said_and_a_scene_that_is_not_held_ends_with_its_mechanism():
     bare, loose = (answer(scene, mu=(0.1,)) for scene in (small_screw(), small_screw(fixed=(), force=(0.0, 0.0, 100.0))))
-    assert [bare.converged, loose.converged] == [True, False]
-    assert bare.data["status"].startswith("converged: no contact")
-    assert (bare.data["torque"]["friction_torque_Nmm"], bare.data["balls"][0]["orbit_rad_s"]) == (0.0, None)
-    assert loose.data["status"].startswith("contact loads: not held")
+    assert [bare.record.converged, loose.record.converged] == [True, False]
+    assert bare.record.as_json()["status"].startswith("converged: no contact")
+    assert (bare.record.as_json()["torque"]["friction_torque_Nmm"], bare.record.as_json()["balls"][0]["orbit_rad_s"]) == (
+        0.0,
+        None,
+    )
+    assert loose.record.as_json()["status"].startswith("contact loads: not held")
 
 
 def test_coefficients_of_the_command_line_and_a_table_over_them():
     scene = replace(mine(), friction=None)
     found = answer(scene, mu=(0.08, 0.0, 0.04))
-    rows = found.data["over_friction"]
+    rows = found.record.as_json()["over_friction"]
     assert [r["screw"] for r in rows] == [0.08, 0.0, 0.04]
     assert rows[0]["friction_torque_Nmm"] == pytest.approx(2.0 * rows[2]["friction_torque_Nmm"], rel=1e-2)
     assert (rows[1]["efficiency_forward_percent"], found.tables[-1][0]) == (100.0, "over the coefficient of friction")
-    assert found.data["friction"] == {"screw": 0.08, "nut": 0.08}
+    assert found.record.as_json()["friction"] == {"screw": 0.08, "nut": 0.08}
 
 
 def test_speed_is_stated_where_the_scene_gives_none():
-    with_speed, without = answer(mine()).data, answer(replace(mine(), motion=None)).data
+    with_speed, without = answer(mine()).record.as_json(), answer(replace(mine(), motion=None)).record.as_json()
     assert without["motion"] == {"turns": "screw", "speed_rad_s": pytest.approx(2.0 * math.pi)}
     assert ["no [motion]" in " ".join(data["assumed"]) for data in (with_speed, without)] == [False, True]
     for same in ("forward_torque_Nmm", "backward_torque_Nmm"):
@@ -114,16 +118,18 @@ def test_terminal_shows_torques_and_what_is_left_out_where_it_is_asked_for():
     behind = ("left out: ", "assumed: ", "residual of ")
     for words in ("friction torque", "drag torque", "power lost", *behind):
         assert (words in brief, words in full) == (words not in behind, True), words
-    count = f"{len(found.data['assumed'])} assumptions, {len(found.data['left_out'])} neglected effects"
+    count = (
+        f"{len(found.record.as_json()['assumed'])} assumptions, {len(found.record.as_json()['left_out'])} neglected effects"
+    )
     assert f"--verbose also shows: {count}" in " ".join(brief.split())
 
 
 def test_a_jammed_screw_is_self_locking_and_warned_of():
     found = answer(mine(("coefficient = 0.06", "coefficient = 0.5"), ("nut = 0.07", "nut = 0.5"), ("-3 kN", "-0.1 kN")))
-    assert ("self-locking", "yes") in [row[:2] for row in friction_rows(found.data)]
-    torque = found.data["torque"]
+    assert ("self-locking", "yes") in [row[:2] for row in friction_rows(found.record)]
+    torque = found.record.as_json()["torque"]
     assert (torque["self_locking"], torque["efficiency_backward_percent"]) == (True, None)
-    assert any("jammed" in line for line in found.data["warnings"])
+    assert any("jammed" in line for line in found.record.as_json()["warnings"])
 
 
 KINDS = {
@@ -148,29 +154,34 @@ def test_a_file_of_no_kind_is_read_as_a_whole_screw(scene_file, command):
 def test_member_draws_the_specimen_of_loads_and_friction():
     scene = mine(('oversize = "4 um"', 'oversize = "4 um"\nsigma = "0.5 um"'))
     found = [answer(scene, member=m) for m in (0, 1)]
-    first, second = (a.data["torque"]["friction_torque_Nmm"] for a in found)
+    first, second = (a.record.as_json()["torque"]["friction_torque_Nmm"] for a in found)
     assert abs(first - second) > 1e-6 * first
-    assert [a.data["member"] for a in found] == [0, 1]
+    assert [a.record.as_json()["member"] for a in found] == [0, 1]
     assert ", specimen 1 of its random errors, " in str(friction_terminal_parts(found[1])[0])
-    assert answer(mine()).data["member"] is None
+    assert answer(mine()).record.as_json()["member"] is None
 
 
 def test_drag_is_the_friction_torque_of_the_scene_without_loads_and_without_preload_nothing():
     scene = mine()
-    bare = answer(replace(scene, loads=())).data["torque"]
-    assert answer(scene).data["torque"]["drag_torque_Nmm"] == pytest.approx(bare["friction_torque_Nmm"], rel=1e-9)
+    bare = answer(replace(scene, loads=())).record.as_json()["torque"]
+    assert answer(scene).record.as_json()["torque"]["drag_torque_Nmm"] == pytest.approx(
+        bare["friction_torque_Nmm"], rel=1e-9
+    )
     assert bare["drag_torque_Nmm"] == bare["friction_torque_Nmm"]
     assert bare["axial_load_N"] == 0.0
     unknown = [bare[key] for key in ("efficiency_forward_percent", "self_locking", "load_moves")]
     assert unknown == [None] * 3, "no efficiency of a load that is round-off"
-    loose = answer(small_screw(force=(0.0, 0.0, 500.0)), mu=(0.1,)).data
+    loose = answer(small_screw(force=(0.0, 0.0, 500.0)), mu=(0.1,)).record.as_json()
     assert (loose["torque"]["drag_torque_Nmm"], loose["drag_unknown"], loose["drag_note"]) == (0.0, None, None)
 
 
 @pytest.mark.parametrize("oversize", [0.0, 5e-6])
 def test_drag_where_supports_press_is_that_of_the_screw_left_free_along_its_axis(oversize):
     pressed = (*ALL_BUT_AXIAL, ("uz", 3e-6))
-    held, free = (answer(small_screw(fixed=fixed, oversize=oversize), mu=(0.1,)).data for fixed in (pressed, ALL_BUT_AXIAL))
+    held, free = (
+        answer(small_screw(fixed=fixed, oversize=oversize), mu=(0.1,)).record.as_json()
+        for fixed in (pressed, ALL_BUT_AXIAL)
+    )
     assert abs(held["torque"]["axial_load_N"]) > 1.0
     assert held["torque"]["friction_torque_Nmm"] > 1.01 * held["torque"]["drag_torque_Nmm"]
     assert held["torque"]["drag_torque_Nmm"] == pytest.approx(free["torque"]["drag_torque_Nmm"], rel=1e-9)
@@ -183,18 +194,21 @@ def test_balls_that_do_not_settle_are_named_and_leave_no_drag(monkeypatch):
     monkeypatch.setattr(ball_feedback, "ROUNDS", 0)
     monkeypatch.setattr("scipy.optimize.root", lambda _, start, **__: SimpleNamespace(x=start))
     found = answer(mine())
-    assert not found.converged
-    assert found.data["status"].startswith("friction and position do not agree on 20 balls: 1, 2")
-    assert "feedback = false" in found.data["status"]
-    assert (found.data["torque"]["drag_torque_Nmm"], found.data["drag_unknown"]) == (None, "no balance of friction found")
-    assert found.data["feedback"]["unsettled_balls"] == 20
+    assert not found.record.converged
+    assert found.record.as_json()["status"].startswith("friction and position do not agree on 20 balls: 1, 2")
+    assert "feedback = false" in found.record.as_json()["status"]
+    assert (found.record.as_json()["torque"]["drag_torque_Nmm"], found.record.as_json()["drag_unknown"]) == (
+        None,
+        "no balance of friction found",
+    )
+    assert found.record.as_json()["feedback"]["unsettled_balls"] == 20
 
 
 def test_the_note_names_the_flank_that_friction_presses_the_balls_onto():
     """A note on flank SR with its load, factors at smaller coefficients, and flank NL reversed."""
     scene = small_screw(8, lead=10e-3, force=(0.0, 0.0, 800.0), oversize=1e-6)
     there, back = (
-        answer(replace(scene, friction=Friction(0.1, 0.1), motion=Motion(speed))).data
+        answer(replace(scene, friction=Friction(0.1, 0.1), motion=Motion(speed))).record.as_json()
         for speed in (2.0 * np.pi, -2.0 * np.pi)
     )
     notes = [next(w for w in data["warnings"] if w.kind == "third flank") for data in (there, back)]
@@ -205,7 +219,9 @@ def test_the_note_names_the_flank_that_friction_presses_the_balls_onto():
         assert losses[flank]["sliding_along"] == max(row["sliding_along"] for name, row in losses.items() if name != "sum")
         assert f"onto flank {flank}, {losses[flank]['mean_load_N']:.3g} N a ball" in note
         assert f"reversed, flank {other}" in note
-        smaller = answer(replace(scene, friction=Friction(0.03, 0.03), motion=Motion(data["motion"]["speed_rad_s"]))).data
+        smaller = answer(
+            replace(scene, friction=Friction(0.03, 0.03), motion=Motion(data["motion"]["speed_rad_s"]))
+        ).record.as_json()
         factor = smaller["torque"]["friction_torque_Nmm"] / smaller["feedback"]["friction_torque_without_Nmm"]
         assert f"{format_three_digits(factor)} at 0.03" in note
     assert there["losses"]["heathcote_percent"] == pytest.approx(
@@ -216,9 +232,9 @@ def test_the_note_names_the_flank_that_friction_presses_the_balls_onto():
 def test_torques_over_the_measured_coefficients_stand_beside_the_maker_s_formula():
     scene = replace(small_screw(force=(0.0, 0.0, 300.0), oversize=3e-6), friction=Friction(0.05, 0.05))
     found = answer(scene)
-    data = found.data["band"]
+    data = found.record.as_json()["band"]
     for mu, torque in zip((0.03, 0.1), data["friction_torque_Nmm"], strict=True):
-        alone = answer(replace(scene, friction=Friction(mu, mu))).data["torque"]
+        alone = answer(replace(scene, friction=Friction(mu, mu))).record.as_json()["torque"]
         assert torque == pytest.approx(alone["friction_torque_Nmm"], rel=1e-9)
     assert data["drag_torque_Nmm"][1] == pytest.approx(alone["drag_torque_Nmm"], rel=1e-9)
     tangent = scene.track.lead / (2 * np.pi * scene.track.pitch_radius)
@@ -226,5 +242,5 @@ def test_torques_over_the_measured_coefficients_stand_beside_the_maker_s_formula
     assert data["makers_formula_Nmm"] == pytest.approx(formula, rel=1e-9)
     assert 0.5 < data["drag_torque_Nmm"][1] / data["makers_formula_Nmm"] < 2.0
     assert f"{format_three_digits(data['makers_formula_Nmm'])} N mm" in found.text
-    bare = answer(replace(scene, errors=Errors())).data["band"]
+    bare = answer(replace(scene, errors=Errors())).record.as_json()["band"]
     assert (bare["makers_formula_Nmm"], bare["drag_torque_Nmm"]) == (None, None)

@@ -33,9 +33,9 @@ def answer():
 
 
 def test_run_follows_the_instant_and_holds_the_torque_with_its_parts(answer):
-    run = answer.data["run"]
-    assert answer.converged
-    assert answer.data["torque"]["friction_torque_Nmm"] > 0.0
+    run = answer.record.as_json()["run"]
+    assert answer.record.converged
+    assert answer.record.as_json()["torque"]["friction_torque_Nmm"] > 0.0
     over = run["over_angle"]
     parts = [np.array(over[k]) for k in ("groove_Nmm", "ball_sliding_Nmm", "ball_closing_Nmm")]
     assert sum(parts) == pytest.approx(np.array(over["torque_Nmm"]), rel=1e-12)
@@ -48,16 +48,16 @@ def test_run_follows_the_instant_and_holds_the_torque_with_its_parts(answer):
     assert max(energy["largest_imbalance"], energy["largest_torque_imbalance"]) < 1e-8
     assert energy["torque_work_J"] + energy["load_work_J"] == pytest.approx(energy["loss_J"], rel=1e-8)
     assert abs(energy["balance_J"]) < 1e-8 * energy["loss_J"]
-    json.dumps(answer.data, allow_nan=False)
+    json.dumps(answer.record.as_json(), allow_nan=False)
 
 
 def test_error_of_the_steps_stands_in_every_result_and_steps_are_chosen_where_none_are_given(answer):
-    error = answer.data["run"]["step_error"]
+    error = answer.record.as_json()["run"]["step_error"]
     assert error["steps"] == [5, 10, 20]
     assert error["torque_percent"] > 0.0
     assert all(0.0 <= error[f"{name}_torque_percent"] < 1.0 for name in ("mean", "most", "least"))
     assert "error of the time steps" in answer.text
-    found = solved(sparse(), angle=0.5, output="torque").data["run"]
+    found = solved(sparse(), angle=0.5, output="torque").record.as_json()["run"]
     assert (found["step_error"]["small"], found["steps"]) == (True, found["step_error"]["steps"][-1])
     assert "balls" not in found
 
@@ -104,8 +104,8 @@ def test_zero_friction_runs_without_loss_and_models_that_cannot_run_in_time_are_
     with pytest.raises(InputError, match=r"model: .*lin or refined"):
         solved(small_screw(4, 0.5, force=(0.0, 0.0, 300.0)), "mei", angle=0.1, steps=4)
     found = solved(sparse(), friction=replace(MU, screw=0.0, nut=0.0), angle=0.1, steps=4)
-    assert found.converged
-    torque = found.data["run"]["torque"]
+    assert found.record.converged
+    torque = found.record.as_json()["run"]["torque"]
     assert (torque["mean_Nmm"], torque["ball_to_ball_most_percent_of_groove"]) == (0.0, None)
 
 
@@ -117,7 +117,7 @@ def test_the_page_shows_torque_over_turn_coefficient_and_play():
     found = section(SCENE)
     turn, coefficient, play, lost = (panel.series[0] for panel in found.items[1].panels)
     assert lost.x[-1] == pytest.approx(sum(lost.x[:-1])), "the last bar is the sum over the flanks"
-    given = whole.solve_friction_of_screw_or_bearing(replace(SCENE, time=None), whole.FrictionChoices()).data
+    given = whole.solve_friction_of_screw_or_bearing(replace(SCENE, time=None), whole.FrictionChoices()).record.as_json()
     torque = given["torque"]["friction_torque_Nmm"]
     assert turn.y[0] == pytest.approx(torque, rel=2e-2)
     assert coefficient.x[-1] == pytest.approx(0.1)

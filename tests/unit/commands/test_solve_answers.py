@@ -27,10 +27,10 @@ from rollbench.compare.models.registry import MODELS, ModelOptions, run_model
 from rollbench.compare.reference.estimate import reference_of_scene
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.results.compared import compare_models_with_reference
+from rollbench.compare.results.data import Friction
 from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.template import ball_screw_text
-from rollbench.compare.studies.friction.answer import FrictionAnswer
 from rollbench.lowfi.rating.rigidity import approach_per_displacement
 from rollbench.lowfi.statics import equations, equilibrium
 from rollbench.lowfi.warned import INPUT, REMARK, VALIDITY, Kind, ResultWarning
@@ -214,7 +214,7 @@ def test_strict_ends_with_1_on_every_kind_of_warning_but_remarks(kind: Kind) -> 
         solved = SimpleNamespace(converged=True, solution=SimpleNamespace(warnings=(warned,)))
         codes = [exit_code_of_solutions([solved], SolveOptions("lin", strict=strict)) for strict in (False, True)]
         assert codes == [0, int(counts)]
-        line = FrictionAnswer({"warnings": [warned]}, [], [], True).warning
+        line = Friction(scene="", title="", kind="", converged=True, reason="", warnings=(warned,), entries={}).warning
         assert (bool(line), "outside what the models mean" in line) == (counts, kind in VALIDITY)
 
 

@@ -103,8 +103,8 @@ friction = {{ coefficient = 0.1, balls = {mu_balls} }}
 @pytest.mark.parametrize(("mu_balls", "said"), [(0.1, "up to 8.12 N"), (0.02, "no second"), (0.0, "one only")])
 def test_a_typed_chain_says_what_is_known_of_a_jammed_state(mu_balls, said, tmp_path):
     found = solve_friction_of_named_scene(chain_file(tmp_path, mu_balls), FrictionChoices())
-    assert found.converged
-    assert found.data["pairs"][0]["force_N"] == 0.0
+    assert found.record.converged
+    assert found.record.as_json()["pairs"][0]["force_N"] == 0.0
     assert said in found.text
-    assert (found.data["second_state"] is not None) is (mu_balls > LIMIT)
-    assert any(w.kind == "jam" for w in found.data["warnings"]) is (mu_balls > LIMIT)
+    assert (found.record.as_json()["second_state"] is not None) is (mu_balls > LIMIT)
+    assert any(w.kind == "jam" for w in found.record.as_json()["warnings"]) is (mu_balls > LIMIT)
