@@ -90,12 +90,15 @@ class FrictionBall(InOrderOfKeys):
 
 @result_record(kw_only=True)
 class FrictionBand:
-    """Friction torques at the smallest and largest coefficient of sliding friction with lubricants, 0.03 and 0.1."""
+    """Friction torques at the smallest and largest coefficient of sliding friction with lubricants, 0.03 and 0.1.
+
+    Of several nuts on one shaft, only the preload and the drag torque by the makers' formula are known.
+    """
 
     coefficients: Sequence[float] = quantity_field(
         "coefficients", "smallest and largest coefficient of sliding friction with lubricants, 0.03 and 0.1", parts="[]"
     )
-    torque: Sequence[float | None] = quantity_field(
+    torque: Sequence[float | None] | None = quantity_field(
         "friction_torque_Nmm",
         "friction torque at the smallest and at the largest of these coefficients of friction",
         parts="[]",
@@ -108,7 +111,11 @@ class FrictionBand:
     )
     preload: float | None = quantity_field("preload_N", "preload force F in the makers' formula for the drag torque")
     makers: float | None = quantity_field(
-        "makers_formula_Nmm", "drag torque by the formula of screw makers, 0.05/sqrt(tan beta) F l/(2 pi)"
+        "makers_formula_Nmm",
+        "drag torque by the formula of screw makers, 0.05/sqrt(tan beta) F l/(2 pi)",
+        heading="drag torque, makers' formula",
+        form="g3",
+        note="preload {preload_N} N, any coefficient; ours rises faster than mu",
     )
 
 
@@ -267,7 +274,7 @@ class Friction(InOrderOfKeys, FrictionTorques, TabularRecord):
     drive: AxisDrive | None = quantity_field("drive", default=None)
     """Torques and moments of inertia at the motor of a feed axis."""
     band: FrictionBand | None = quantity_field("band", default=None)
-    """Torques over the range of measured coefficients of friction; None if they were not computed."""
+    """Torques over the range of measured coefficients of friction, and drag torque by the makers' formula; None without."""
     onset: FrictionOnset | None = quantity_field("onset", default=None)
     """Prediction whether neighbouring balls come into contact; None if balls overlap or do not fit into their circuits,
     and for several nuts or bearings on one shaft."""

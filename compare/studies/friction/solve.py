@@ -17,6 +17,7 @@ from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.models.friction_sums import friction_results_json, friction_torques
 from rollbench.compare.models.friction_torques import FrictionTorques
 from rollbench.compare.models.load_cases import motor_torques_and_inertias
+from rollbench.compare.models.loading import absolute_axial_preload
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.models.set_results import SetResult as ResultOfSet
 from rollbench.compare.quantities import format_range, json_number
@@ -302,6 +303,7 @@ def _answer_on_shaft(
         sets=each,
         balls=balls,
         drive=drive,
+        band=_drag_torque_of_nuts_by_makers_formula(assembly, sets),
         assumed=(
             *friction.assumed,
             *(() if assembly.motion else (friction_whole.NO_SPEED,)),
@@ -315,7 +317,7 @@ def _answer_on_shaft(
             **HEAD,
             "law": "coulomb",
             **from_fields("friction.screw", "friction.nut", "motion.turns", "motion.speed_rad_s", "sets", "balls"),
-            **from_fields(*(f"torque.{key}" for key in SHAFT_KEYS), "drive", "losses.total_W"),
+            **from_fields(*(f"torque.{key}" for key in SHAFT_KEYS), "drive", "band", "losses.total_W"),
             "losses.by_contact_W": losses,
             **_powers_of_shaft(solved, loss),
             **friction_whole.REMARKS,
@@ -340,6 +342,25 @@ def _answer_on_shaft(
         title = "rows of tapered rollers: friction torque (from 0.03 to 0.15 of rib friction where none is given)"
         tables.append((title, ROLLER_COLUMNS, [_row_of_roller_torque(x) for x in rollers]))
     return FrictionAnswer(found_on_shaft, tables, lines, every)
+
+
+def _drag_torque_of_nuts_by_makers_formula(
+    assembly: Assembly, sets: Mapping[str, ResultOfSet]
+) -> records.FrictionBand | None:
+    """Return preload and drag torque, by the makers' formula, of all nuts that are braced against each other on a shaft.
+
+    Each nut of a pair presses with the preload, which the formula counts once for both. ``sets``: results of nuts and
+    bearings by name. Returns None without such nuts.
+    """
+    nuts = [s for s in assembly.sets if isinstance(s.parts, Scene) and s.parts.track.lead > 0.0]
+    halves = [(s.parts, 0.5 * absolute_axial_preload(sets[s.name].preload)) for s in nuts]
+    preload = sum(half for _, half in halves)
+    if preload == 0.0:
+        return None
+    makers = sum(friction_whole.drag_torque_by_makers_formula(parts, half) for parts, half in halves)
+    return records.FrictionBand(
+        coefficients=friction_whole.MEASURED, torque=None, drag_torque=None, preload=preload, makers=makers
+    )
 
 
 def _torques_of_roller_rows(sets: Mapping[str, ResultOfSet]) -> list[dict[str, Any]]:
