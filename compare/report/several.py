@@ -135,5 +135,6 @@ def side_by_side_table(both: SideBySide) -> Table:
             if k:
                 row[TableColumn(f"{name}_percent", f"{name}, from {both.scenes[0].scene}", "%", "+.1f")] = off
         rows.append(row)
-    note = "Life of a load case: if only this case acted. A dash: no such result for this scene."
+    inputs = both.inputs_in_words.capitalize()
+    note = f"{inputs}. Life of a load case: if only this case acted. A dash: no such result for this scene."
     return Table.from_rows("answers", "Results of all scenes", rows, note, unfolded=True)

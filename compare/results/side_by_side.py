@@ -150,6 +150,13 @@ class SideBySide(TabularRecord):
         """Whether every scene has an equilibrium."""
         return all(one.status == "converged" for one in self.scenes)
 
+    @property
+    def inputs_in_words(self) -> str:
+        """Words on which data of shaft, loads and operation differ between the scenes."""
+        if not self.differ:
+            return "shaft, loads and operation are the same in all scenes"
+        return f"not the same in all scenes: {', '.join(self.differ)}"
+
     @QuantityDescription(
         "difference_percent",
         "difference of a scene's number from that of the first scene, in per cent of the latter; for a torque, which has a "
@@ -335,15 +342,13 @@ def _torque_ranges_and_inertia(one: Result) -> tuple[Band | None, Band | None, f
 
 def _names_of_differing_inputs(scenes: Sequence[Scene | Assembly]) -> list[str]:
     """Return the names of the input data of shaft, loads and operation that differ between the scenes."""
-    first, *others = scenes
-    if not all(isinstance(x, Assembly) == isinstance(first, Assembly) for x in others):
-        return ["number of nuts and bearings (one, or several on a shaft)"]
-    out = []
+    kinds = {isinstance(x, Assembly) for x in scenes}
+    out = ["number of nuts and bearings (one, or several on a shaft)"] if len(kinds) > 1 else []
     shafts = [(x.screw.length, x.screw.outer_diameter, x.screw.bore, x.screw.material) for x in scenes]
     if any(x != shafts[0] for x in shafts[1:]):
         out.append("shaft")
     for name, words in SHARED.items():
-        values = [getattr(x, name, None) for x in scenes]
+        values = [getattr(x, name) for x in scenes if hasattr(x, name)]
         if any(x != values[0] for x in values[1:]):
             out.append(words)
     return out

@@ -180,12 +180,11 @@ def side_by_side_parts(side_by_side: SideBySide) -> list[Any]:
     every = quantities_of_record(Alternative)
     unknown = [f"{every[key].label} [{every[key].unit}]" for key in NUMBERS if key not in side_by_side.numbers]
     title, headings = f"model {side_by_side.model}: scenes side by side", ["", *(one.scene for one in side_by_side.scenes)]
-    differing = f"not the same in all scenes: {', '.join(side_by_side.differ)}"
     return [
         *(f"{name}: {line}" for name, line in warned if line),
         *(f"{one.scene}: {one.status}" for one in side_by_side.scenes if one.status != "converged"),
         printing.ruled_table(title, headings, rows, [""]),
-        differing if side_by_side.differ else "shaft, loads and operation are the same in all scenes",
+        side_by_side.inputs_in_words,
         *([f"not computed: {', '.join(unknown)}; rollbench solve SCENE shows why"] if unknown else []),
         "per cent: difference from the first scene; rollbench solve SCENE shows all results",
     ]

@@ -74,6 +74,8 @@ def test_differences_are_from_the_first_and_what_is_not_shared_is_named() -> Non
     assert found.differ == ()
     other = replace(rollers, loads=(), motion=Motion(50.0))
     assert rollbench.side_by_side([balls, other], model="lin").differ == ("loads", "[motion]")
+    screw = rollbench.side_by_side([balls, rollbench.read("lin-case1")], model="lin")
+    assert screw.differ[1:] == ("shaft", "loads", "supports", "[motion]", "[lubricant]", "[friction]")
 
 
 def test_a_scene_without_equilibrium_has_its_reason_and_no_numbers() -> None:
