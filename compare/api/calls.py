@@ -458,6 +458,7 @@ def ensemble(
     from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.studies.members.members import ensemble_of_load_cases, solve_random_draws_of_load_cases
 
+    _check_numbers(members=members, seed=seed, workers=workers)
     described, engine = _scene_record(scene), ComputingSettings(parallel_jobs=workers)
     found = solve_random_draws_of_load_cases(described, described.name, model, members, seed, engine, LOG.info)
     return ensemble_of_load_cases(described, *found)
@@ -657,6 +658,7 @@ def mesh_study(
     from rollbench.compare.studies import roller
     from rollbench.compare.studies.mesh_study import run_mesh_study
 
+    _check_numbers(levels=levels)
     described = _scene_record(scene)
     if isinstance(described, Assembly) and roller.has_rollers(described):
         return roller.run_roller_mesh_study(described, levels, LOG.info, Path(store))
@@ -721,6 +723,7 @@ def sweep(
     from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.studies.sweep.run import solve_sweep, sweep_definition
 
+    _check_numbers(samples=samples, seed=seed)
     what = sweep_definition(str(scene), vary, samples, method, seed, model, outputs)
     return solve_sweep(what, Path(out), ComputingSettings(), LOG.info)
 

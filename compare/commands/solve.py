@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     from rollbench.meshes.arrays import Array
     from rollbench.meshes.axis import Assembly
     from rollbench.meshes.parts import Scene
-    from rollbench.reports.content import Figure
 
 
 @dataclass(frozen=True)
@@ -541,39 +540,14 @@ def dmig_text(matrix: Array, comment: str) -> str:
 
 
 def write_load_curve(path: Path, curve: LoadCurve) -> list[str]:
-    """Write the points of a load curve (CSV) and its figure (SVG), and return a line that names both files.
+    """Write the points of a load curve (CSV) and its figure (SVG), and return a line that names the files.
 
     ``path``: the CSV file. InputError if a file cannot be written.
     """
     from rollbench.compare.files import write_csv, write_figure, written_together
-    from rollbench.compare.quantities import record_as_json
 
-    rows = [record_as_json(point) or {} for point in curve.points]
+    figure = curve.figure()
     with written_together():
-        write_csv(path, rows)
-        picture = write_figure(path.with_suffix(".svg"), load_curve_figure(curve, rows))
-    return [f"wrote {path} and {picture}"]
-
-
-def load_curve_figure(curve: LoadCurve, rows: list[dict[str, Any]]) -> Figure:
-    """Return the figure of a load curve: a panel for each computed quantity, with the load on the horizontal axis.
-
-    ``rows``: points of the curve as JSON values.
-    """
-    from rollbench.reports.content import Figure, Panel, Series
-
-    labels = {
-        "load_point_displacement_um": "displacement of the load's point / µm",
-        "load_point_tangent_N_per_um": "tangent stiffness of the load's point / (N/µm)",
-        "nut_displacement_um": "displacement of the nut / µm",
-        "nut_tangent_N_per_um": "tangent stiffness of the nut / (N/µm)",
-        "largest_load_N": "largest contact load / N",
-        "friction_torque_Nmm": "friction torque / (N mm)",
-    }
-    panels = []
-    for column, label in labels.items():
-        known = [(1e-3 * row["load_N"], row[column]) for row in rows if row[column] is not None]
-        if known:
-            x, y = zip(*known, strict=True)
-            panels.append(Panel(label.split(" /")[0], "load / kN", label, [Series(curve.scene, x, y)], include_zero=True))
-    return Figure("load-curve", f"{curve.scene} over its load", panels)
+        write_csv(path, curve.frame_rows())
+        picture = "" if figure is None else f" and {write_figure(path.with_suffix('.svg'), figure)}"
+    return [f"wrote {path}{picture}"]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from rollbench.compare.models.many import solve_many
 from rollbench.compare.models.registry import ModelOptions, default_model_name, run_model
 from rollbench.compare.models.stiffness import displacement_of_nut_alone, place_of_displacement, tangent_of_nuts
 from rollbench.compare.quantities import record_as_json
-from rollbench.compare.results.base import JSON, Record, add_schema_version
+from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
 from rollbench.lowfi.rating.displacement import motion_at
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
@@ -23,6 +24,7 @@ from rollbench.meshes import units
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Load, Scene
 from rollbench.meshes.quantity import quantity_field, result_record
+from rollbench.reports.content import Figure, Panel, Series
 
 #: Default and largest number of points of a curve.
 POINTS, MOST = 21, 1001
@@ -33,6 +35,15 @@ FORM = (
     "LOW:HIGH, if needed followed by the number of loads such as :41, by the direction of the force :x, :y, :z or an angle "
     "from x to y such as :45deg, and by its point of application, an axial position such as :300mm or the name of a housing"
 )
+#: Axis labels of the panels of the figure, by JSON keys of `CurvePoint`.
+LABELS = {
+    "load_point_displacement_um": "displacement of the load's point / µm",
+    "load_point_tangent_N_per_um": "tangent stiffness of the load's point / (N/µm)",
+    "nut_displacement_um": "displacement of the nut / µm",
+    "nut_tangent_N_per_um": "tangent stiffness of the nut / (N/µm)",
+    "largest_load_N": "largest contact load / N",
+    "friction_torque_Nmm": "friction torque / (N mm)",
+}
 #: Unit vectors of the axes, by name.
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 #: Components of a vector along x, y and z.
@@ -166,7 +177,7 @@ class CurvePoint:
 
 
 @result_record(eq=False, repr=False, kw_only=True)
-class LoadCurve(Record):
+class LoadCurve(TabularRecord):
     """Displacement and stiffness of a scene over a range of loads that replace or scale its own loads.
 
     Examples
@@ -235,6 +246,33 @@ class LoadCurve(Record):
             JSON values by key.
         """
         return add_schema_version(record_as_json(self))
+
+    def frame_rows(self) -> Sequence[Mapping[str, Any]]:
+        """Return a row for each load.
+
+        Returns
+        -------
+        list
+            Row of each line of the frame, by the names of its columns.
+        """
+        return [record_as_json(point) for point in self.points]
+
+    def figure(self) -> Figure | None:
+        """Return the figure of the curve: a panel for each computed quantity, with the load on the horizontal axis.
+
+        Returns
+        -------
+        reports.content.Figure or None
+            The figure, as the report draws it; None if there is nothing to draw.
+        """
+        rows, panels = self.frame_rows(), []
+        for column, label in LABELS.items():
+            known = [(1e-3 * row["load_N"], row[column]) for row in rows if row[column] is not None]
+            if known:
+                x, y = zip(*known, strict=True)
+                series = [Series(self.scene, x, y)]
+                panels.append(Panel(label.split(" /")[0], "load / kN", label, series, include_zero=True))
+        return Figure("load-curve", f"{self.scene} over its load", panels) if panels else None
 
 
 @dataclass(frozen=True)

@@ -352,8 +352,11 @@ def _drag_torque_of_nuts_by_makers_formula(
     Each nut of a pair presses with the preload, which the formula counts once for both. ``sets``: results of nuts and
     bearings by name. Returns None without such nuts.
     """
-    nuts = [s for s in assembly.sets if isinstance(s.parts, Scene) and s.parts.track.lead > 0.0]
-    halves = [(s.parts, 0.5 * absolute_axial_preload(sets[s.name].preload)) for s in nuts]
+    halves = [
+        (s.parts, 0.5 * absolute_axial_preload(sets[s.name].preload))
+        for s in assembly.sets
+        if isinstance(s.parts, Scene) and s.parts.track.lead > 0.0
+    ]
     preload = sum(half for _, half in halves)
     if preload == 0.0:
         return None

@@ -65,6 +65,9 @@ def test_factors_are_on_all_loads_and_their_curve_passes_the_scene_as_it_is() ->
     assert (at.factor, at.largest) == (1.0, pytest.approx(solved.loads.max()))
     assert at.displacement == pytest.approx(np.dot(solved.displacement[:3], found.direction))
     assert (found.lash, found.lash_words) == (None, "all loads have the same sign")
+    frame, figure = found.to_dataframe(), found.figure()
+    assert frame["largest_load_N"][2] == pytest.approx(solved.loads.max())
+    assert (frame.attrs["units"]["nut_displacement_um"], len(figure.panels)) == ("um", 5)
 
 
 def test_a_load_without_equilibrium_is_a_point_with_its_reason() -> None:
