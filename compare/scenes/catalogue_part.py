@@ -22,6 +22,9 @@ RING_BALLS, INCH = (0.28, 0.22), 25.4 / 32.0
 #: 0.55); radial distance of the inner ring's shoulder from the pitch circle in ball diameters, for the same angles.
 RING_FILLING, WIDTH, SHOULDERS = 0.8, 0.5, (0.25, 0.07)
 
+#: Words on the rigidities that Rexroth prints.
+HALVED = "about half of what other makers print of such a nut, "
+
 #: Conformity of the bearings' grooves, as in the templates of bearings.
 CONFORMITY = 0.52
 
@@ -138,15 +141,16 @@ def _rating_text(part: makers.CataloguePart, name: str) -> str:
 def _rigidity_lines(part: makers.CataloguePart) -> list[str]:
     """Return comments with a nut's printed rigidity; with several, one for each preload."""
     printed = part.row.get("rigidity")
+    label = f"# rigidity by {part.maker}, {HALVED if part.maker == 'Rexroth' else ''}which no model reads"
     if printed:
         header = part.table.header
         key = "rigidity_at" if part.type == "single nut" else "rigidity_at_preloaded"
         at = header.get(key, header["rigidity_at"])
         stated = f"{printed} {header['rigidity_unit']} ({at})"
         wrong = ": a misprint by the table" if part.is_misprint("rigidity") else ""
-        return [f"# rigidity by {part.maker}, which no model reads: {stated}{wrong}"]
+        return [f"{label}: {stated}{wrong}"]
     return [
-        f"# rigidity by {part.maker}, which no model reads: {rigidity:g} N/um at a preload of {share:g} % of C"
+        f"{label}: {rigidity:g} N/um at a preload of {share:g} % of C"
         for share, rigidity in makers.printed_rigidities_of_preloads(part)
     ]
 
