@@ -113,7 +113,7 @@ class FrictionBand:
     makers: float | None = quantity_field(
         "makers_formula_Nmm",
         "drag torque by the formula of screw makers, 0.05/sqrt(tan beta) F l/(2 pi)",
-        heading="drag torque, makers' formula",
+        heading="drag torque by THK's formula",
         form="g3",
         note="preload {preload_N} N, any coefficient; ours rises faster than mu",
     )

@@ -40,7 +40,8 @@ from rollbench.meshes.parts import SIDES, BallErrors, Friction, Motion, Scene, S
 #: coefficients of a whole screw, which hold for its lead angle and not for sliding.
 MEASURED = (0.03, 0.1)
 
-#: Factor of the makers' formula of a preloaded nut's drag torque (THK, general catalogue; Rexroth, HIWIN alike).
+#: Factor of THK's formula of a preloaded nut's drag torque (general catalogue); those of Rexroth and HIWIN are in
+#: `compare/cases/makers/nuts.py`.
 MAKERS = 0.05
 
 #: Reduction of the ball radius [m] to show the effect of a play that is not stated.
