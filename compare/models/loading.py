@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, Generic, NamedTuple, TypeVar, overload
 
 import numpy as np
@@ -30,9 +31,15 @@ Solution = TypeVar("Solution", bound=StaticSolution)
 #: number of solutions.
 TOLERANCE, FURTHEST, MOST = 0.005, 20.0, 16
 
-#: Share that is taken of the step to the load factor at which a contact is expected to open. Beyond that factor the contact
-#: is open and its approach, from which the next step is computed, is not known.
-NEAR = 0.9
+#: Share that is taken of the step to the load factor at which a contact is expected to open: with two points, with more.
+#: Beyond that factor the contact is open and its approach, from which the next step is computed, is not known.
+FAR, NEAR = 0.75, 0.8
+
+#: Share of the least factor with an open contact that is taken first, if only the unloaded solution has them all closed.
+FIRST = 0.25
+
+#: Share of a root above which the solution that it is extrapolated from has to lie.
+CLOSE = 0.8
 
 
 @result_record
@@ -240,7 +247,7 @@ def find_lift_off_loads(solutions: SolutionsByLoad[Any]) -> tuple[LiftOff | None
     """Find for each nut or bearing the factor on the scene's loads at which its first preloaded contact opens.
 
     The elastic approach of the bodies at a contact is nearly linear in the external load, and proportional to F^(2/3),
-    where F is the contact load. Secant steps are therefore taken on F^(2/3) of the contact with the smallest load.
+    where F is the contact load. The load factor is therefore interpolated over F^(2/3) of each contact.
 
     Parameters
     ----------
@@ -267,17 +274,16 @@ def find_lift_off_loads(solutions: SolutionsByLoad[Any]) -> tuple[LiftOff | None
         if not float(before[k].sum()) > NOTHING * largest:
             return None
 
-        def smallest_preloaded_load(solution: StaticSolution) -> tuple[float, int]:
-            """Return F^(2/3) of the least load F [N] of the preloaded contacts, and its index in the array of loads."""
-            values = np.where(tracked, loads_of_sets(solution)[k], np.inf)
-            contact = int(values.argmin())
-            return float(values.flat[contact]) ** (2.0 / 3.0), contact
+        def preloaded_loads(solution: StaticSolution) -> Array:
+            """Return F^(2/3) of the loads F [N] of the contacts that preload closes."""
+            return np.asarray(loads_of_sets(solution)[k][tracked] ** (2.0 / 3.0))
 
-        found = _search_zero_over_loads(solutions, smallest_preloaded_load)
+        found = _search_first_zero_over_loads(solutions, preloaded_loads)
         if found.factor is None:
             words = found.words or f"no contact opens up to {FURTHEST:g} times the loads"
             return LiftOff(None, solves=found.solves, words=words, set=names[k])
-        ball, side = divmod(found.place, len(SIDES)) if tracked.ndim == 2 else (found.place, None)
+        place = int(np.flatnonzero(tracked)[found.place])
+        ball, side = divmod(place, len(SIDES)) if tracked.ndim == 2 else (place, None)
         flank = "" if side is None else SIDES[side]
         return LiftOff(found.factor, ball + 1, flank, found.factor * axial, found.solves, set=names[k])
 
@@ -285,11 +291,11 @@ def find_lift_off_loads(solutions: SolutionsByLoad[Any]) -> tuple[LiftOff | None
 
 
 class _ZeroOverLoads(NamedTuple):
-    """Factor on the loads at which a quantity reaches zero."""
+    """Factor on the loads at which the first of some quantities reaches zero."""
 
     #: The factor; None if none was found.
     factor: float | None
-    #: Place at which it does, as the function that was searched names it.
+    #: Index of the quantity that reaches zero.
     place: int
     #: Number of solutions.
     solves: int
@@ -297,42 +303,65 @@ class _ZeroOverLoads(NamedTuple):
     words: str = ""
 
 
-def _search_zero_over_loads(
-    solutions: SolutionsByLoad[Any], quantity: Callable[[StaticSolution], tuple[float, int]]
+def _search_first_zero_over_loads(
+    solutions: SolutionsByLoad[Any], quantities: Callable[[StaticSolution], Array]
 ) -> _ZeroOverLoads:
-    """Return the factor on the loads at which a quantity, which falls nearly in proportion to the loads, reaches zero.
+    """Return the factor on the loads at which the first of some quantities reaches zero.
 
-    ``quantity``: function that returns the quantity in a solution, zero beyond the factor that is searched, and its place.
+    ``quantities``: function that returns the quantities in a solution. Each falls nearly in proportion to the loads, and is
+    zero beyond the factor at which it reaches zero. The error of a root is taken as its change by the last solution, times
+    the share of the way to it that this solution left.
     """
-    high, place, known, before = np.inf, 0, list[tuple[float, float]](), np.nan
+    high, opened, known, before = np.inf, 0, list[tuple[float, Array]](), np.nan
     for factor, solution in sorted(solutions.known.items()):
         if factor < high and solution.converged:
-            value, place = quantity(solution)
-            if value > 0.0:
-                known.append((factor, value))
+            values = quantities(solution)
+            if values.all():
+                known.append((factor, values))
             else:
-                high = factor
+                high, opened = factor, int(values.argmin())
     for solves in range(MOST):
-        root = _zero_of_secant(known)
+        low, roots = known[-1][0], _zeros_beyond(known)
+        place, root = int(roots.argmin()), float(roots.min())
         if root > FURTHEST and high == np.inf and len(known) > 1:
             return _ZeroOverLoads(None, place, solves)
-        low = known[-1][0]
-        if root < high and abs(root - before) <= TOLERANCE * root:
+        if root < high and low >= CLOSE * root and (1.0 - NEAR) * abs(root - before) <= TOLERANCE * root:
             return _ZeroOverLoads(root, place, solves)
         if np.isfinite(high) and high - low <= TOLERANCE * high:
-            return _ZeroOverLoads(high, place, solves)
+            return _ZeroOverLoads(high, opened, solves)
         before = root
-        factor = low + NEAR * (root - low) if root < high else 0.5 * (low + high)
+        if len(known) == 1:
+            factor = FIRST * high
+        else:
+            factor = low + (FAR if len(known) == 2 else NEAR) * (root - low) if root < high else 0.5 * (low + high)
         trial = solutions.at(factor)
         if not trial.converged:
             words = f"not found, because the solution at {factor:.3g} times the loads is {trial.status}"
             return _ZeroOverLoads(None, place, solves + 1, words)
-        value, place = quantity(trial)
-        if value > 0.0:
-            known.append((factor, value))
+        values = quantities(trial)
+        if values.all():
+            known.append((factor, values))
         else:
-            high = factor
-    return _ZeroOverLoads(None, place, MOST, f"not found in {MOST} solutions")
+            high, opened = factor, int(values.argmin())
+    return _ZeroOverLoads(None, opened, MOST, f"not found in {MOST} solutions")
+
+
+def _zeros_beyond(known: Sequence[tuple[float, Array]]) -> Array:
+    """Return the factor at which each quantity reaches zero; infinite if it does not fall, or if one point is known only.
+
+    The factor is interpolated over the value, through the last three points and the first. ``known``: points (factor, values)
+    in the order of the factors.
+    """
+    points = [known[0], *known[1:][-3:]][::-1]
+    differences, y = map(list, zip(*points, strict=True))
+    last, root, product = known[-1][0], np.full(y[0].shape, known[-1][0]), np.ones(y[0].shape)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        for order in range(1, len(points)):  # Newton's form, by divided differences
+            differences = [(low - high) / (y[k + order] - y[k]) for k, (high, low) in enumerate(pairwise(differences))]
+            product = -product * y[order - 1]
+            further = root + product * differences[0]
+            root = np.where((order == 1) | (further > last) & np.isfinite(further), further, root)
+    return np.where((root > last) & (y[0] < y[min(1, len(y) - 1)]), root, np.inf)
 
 
 #: Share of the preload of one of several nuts or bearing rows, below which it counts as lost.
@@ -353,26 +382,15 @@ def lost_preload_warnings(solutions: SolutionsByLoad[AxisResult]) -> Iterator[Re
         if not before > NOTHING * max(sums) or float(now.loads.sum()) >= LOST * before:
             continue
 
-        def sum_of_loads_of_set(solution: StaticSolution, k: int = k) -> tuple[float, int]:
-            """Return (sum of contact loads)^(2/3) of the nut or row, and 0 for its place."""
-            return float(loads_of_sets(solution)[k].sum()) ** (2.0 / 3.0), 0
+        def sum_of_loads_of_set(solution: StaticSolution, k: int = k) -> Array:
+            """Return (sum of contact loads)^(2/3) of the nut or row, (1,)."""
+            return np.array([loads_of_sets(solution)[k].sum() ** (2.0 / 3.0)])
 
-        found = _search_zero_over_loads(solutions, sum_of_loads_of_set)
+        found = _search_first_zero_over_loads(solutions, sum_of_loads_of_set)
         axial = f"{abs(now.force[2]):.3g} N of {abs(bare.force[2]):.4g} N are left"
         opens = "" if found.factor is None else f"; {found.factor:.3g} times the loads open it"
         brief = f"{now.of.name} has lost its preload: {axial}{opens}"
         yield ResultWarning("lost preload", f"{brief}; more preload, or smaller loads, keep both sides in contact", brief)
-
-
-def _zero_of_secant(points: Sequence[tuple[float, float]]) -> float:
-    """Return the x at which the line through the last two points (x, y) reaches y = 0; infinite if y does not fall with x.
-
-    ``points``: points in the order in which they were computed; with a single point the result is infinite, too.
-    """
-    if len(points) < 2:
-        return float("inf")
-    (a, f), (b, g) = points[-2:]
-    return b + g * (b - a) / (f - g) if f > g else float("inf")
 
 
 def axial_load(scene: Scene | Assembly) -> float:
