@@ -349,7 +349,7 @@ def _search_first_zero_over_loads(
 def _zeros_beyond(known: Sequence[tuple[float, Array]]) -> Array:
     """Return the factor at which each quantity reaches zero; infinite if it does not fall, or if one point is known only.
 
-    The factor is interpolated over the value, through the last three points and the first. ``known``: points (factor, values)
+    The factor is interpolated over the value, through the last three points and the first. ``known``: (factor, values)
     in the order of the factors.
     """
     points = [known[0], *known[1:][-3:]][::-1]

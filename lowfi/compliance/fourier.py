@@ -514,13 +514,17 @@ def eliminate_freedoms(stretch: CondensedStretch, line: slice) -> CondensedStret
 
     ``line``: range of the degrees of freedom that are eliminated. The returned stretch has the remaining ones.
     """
+    from scipy.linalg import solve_triangular
+
     K, forces, motion = stretch.end_stiffness, stretch.end_forces, stretch.inner_compliance
     left = np.delete(np.arange(K.shape[1]), line)
     reach = np.flatnonzero((np.abs(forces[:, line]) > NONE_LEFT).any(axis=(0, 1)))
     felt = slice(reach[0], reach[-1] + 1) if reach.size else slice(0, 0)
     X = np.concatenate([K[:, line, left], forces[:, line, felt]], axis=2)
-    Y = np.linalg.solve(np.linalg.cholesky(K[:, line, line]), X)
-    P, m = np.stack([y.T @ y for y in Y]), left.size
+    P, m = np.empty((len(X), *X.shape[2:] * 2)), left.size
+    for product, L, x in zip(P, np.linalg.cholesky(K[:, line, line]), X, strict=True):
+        y = solve_triangular(L, x, lower=True, check_finite=False)
+        np.matmul(y.T, y, out=product)
     forces = forces[:, left]
     forces[:, :, felt] -= P[:, :m, m:]
     if reach.size:

@@ -327,10 +327,12 @@ def compliance_between_ring_contacts(ring: GrooveRingCompliance, azimuth: Array)
 
     ``azimuth`` ``(N,)``: positions of the balls [rad]. All left contacts come first; each contact has the axes r and z.
     """
-    N = azimuth.size
-    angle = azimuth[:, None] - azimuth[None, :]
-    G = np.zeros((2, N, 2, 2, N, 2))
-    shares = gaussian_patch_harmonic_factors(np.arange(float(len(ring.harmonics))), ring.patch_width, ring.contact_radius)
-    for n, (share, S) in enumerate(zip(shares, ring.harmonics, strict=True)):
-        G += share * np.einsum("ij,satb->siatjb", np.cos(n * angle), S.reshape(2, 2, 2, 2))
+    N, n = azimuth.size, np.arange(len(ring.harmonics))
+    shares = gaussian_patch_harmonic_factors(n.astype(float), ring.patch_width, ring.contact_radius)
+    S = shares[:, None] * np.reshape(ring.harmonics, (n.size, 16))
+    cosine, sine = np.cos(n * azimuth[:, None]), np.sin(n * azimuth[:, None])
+    G = np.empty((2, N, 2, 2, N, 2))
+    for place, of_harmonics in zip(np.ndindex(2, 2, 2, 2), S.T, strict=True):
+        s, a, t, b = place  # side and axis of the motion, then of the load
+        G[s, :, a, t, :, b] = (of_harmonics * cosine) @ cosine.T + (of_harmonics * sine) @ sine.T
     return np.asarray(G.reshape(4 * N, 4 * N))
