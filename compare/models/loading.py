@@ -35,11 +35,12 @@ TOLERANCE, FURTHEST, MOST = 0.005, 20.0, 16
 #: Beyond that factor the contact is open and its approach, from which the next step is computed, is not known.
 FAR, NEAR = 0.75, 0.8
 
-#: Share of the least factor with an open contact that is taken first, if only the unloaded solution has them all closed.
-FIRST = 0.25
+#: Share of the contact loads under load that loads without load have at most by round-off.
+ROUND_OFF = 1e-9
 
-#: Share of a root above which the solution that it is extrapolated from has to lie.
-CLOSE = 0.8
+#: Share of a root above which the solution that it is extrapolated from has to lie, and share of the root by which this
+#: solution may have moved it: what it left to extrapolate is some times less.
+CLOSE, SETTLED = 0.8, 0.01
 
 
 @result_record
@@ -266,12 +267,14 @@ def find_lift_off_loads(solutions: SolutionsByLoad[Any]) -> tuple[LiftOff | None
     if not has_loads(scene) or not unloaded.converged:
         return (None,) * len(names)
     before = loads_of_sets(unloaded)
-    largest = max(float(loads.sum()) for loads in before)
+    least = NOTHING * max(float(loads.sum()) for loads in before)
+    if result.converged:
+        least = max(least, ROUND_OFF * max(float(loads.sum()) for loads in loads_of_sets(result)))
 
     def of_set(k: int) -> LiftOff | None:
         """Return the lift-off load of the nut or bearing with index ``k``."""
         tracked = before[k] > 0.0
-        if not float(before[k].sum()) > NOTHING * largest:
+        if not float(before[k].sum()) > least:
             return None
 
         def preloaded_loads(solution: StaticSolution) -> Array:
@@ -309,29 +312,29 @@ def _search_first_zero_over_loads(
     """Return the factor on the loads at which the first of some quantities reaches zero.
 
     ``quantities``: function that returns the quantities in a solution. Each falls nearly in proportion to the loads, and is
-    zero beyond the factor at which it reaches zero. The error of a root is taken as its change by the last solution, times
-    the share of the way to it that this solution left.
+    zero beyond the factor at which it reaches zero. A root is found if the last solution lies near it (`CLOSE`) and moved
+    it by little (`SETTLED`).
     """
-    high, opened, known, before = np.inf, 0, list[tuple[float, Array]](), np.nan
+    high, beyond, opened, known, before = np.inf, np.zeros(1), 0, list[tuple[float, Array]](), np.nan
     for factor, solution in sorted(solutions.known.items()):
         if factor < high and solution.converged:
             values = quantities(solution)
             if values.all():
                 known.append((factor, values))
             else:
-                high, opened = factor, int(values.argmin())
+                high, beyond, opened = factor, values, int(values.argmin())
     for solves in range(MOST):
         low, roots = known[-1][0], _zeros_beyond(known)
         place, root = int(roots.argmin()), float(roots.min())
         if root > FURTHEST and high == np.inf and len(known) > 1:
             return _ZeroOverLoads(None, place, solves)
-        if root < high and low >= CLOSE * root and (1.0 - NEAR) * abs(root - before) <= TOLERANCE * root:
+        if root < high and low >= CLOSE * root and abs(root - before) <= SETTLED * root:
             return _ZeroOverLoads(root, place, solves)
         if np.isfinite(high) and high - low <= TOLERANCE * high:
             return _ZeroOverLoads(high, opened, solves)
         before = root
-        if len(known) == 1:
-            factor = FIRST * high
+        if len(known) == 1:  # the loads that open a contact are to those at `high` about as the quantities are
+            factor = 0.5 * high * float(min(1.0, *(known[0][1].max() / beyond[beyond > 0.0]).tolist()))
         else:
             factor = low + (FAR if len(known) == 2 else NEAR) * (root - low) if root < high else 0.5 * (low + high)
         trial = solutions.at(factor)
@@ -342,7 +345,7 @@ def _search_first_zero_over_loads(
         if values.all():
             known.append((factor, values))
         else:
-            high, opened = factor, int(values.argmin())
+            high, beyond, opened = factor, values, int(values.argmin())
     return _ZeroOverLoads(None, opened, MOST, f"not found in {MOST} solutions")
 
 

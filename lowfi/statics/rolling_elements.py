@@ -32,7 +32,8 @@ from rollbench.meshes.arrays import Array, Mask
 Ints = NDArray[np.int64]
 #: Largest number of Newton steps to find a ball's equilibrium, and largest number of times that one step is halved.
 SETTLING, HALVINGS = 60, 30
-#: Round-off of the approach to a flank that is not a circular arc, as a fraction of the ball's radius.
+#: Round-off of an approach: as a fraction of the displacement of the ball's centre, or of the ball's radius where the flank
+#: is no circular arc.
 ROUND_OFF = float(np.finfo(float).eps)
 #: A flank pair as slices of the flank axis: in the order of flanks, the opposite one of flank s is 3 - s.
 FLANKS = 4
@@ -387,7 +388,7 @@ def ball_equilibrium(balls: Balls, shift: Array, unloaded: Array) -> tuple[Array
     x[:, :2] = first_ball_centres(balls, shift)
     contacts, energy = ball_contacts(balls, x, shift)
     left, best = np.arange(len(x)), np.full(len(x), np.inf)
-    shortest = ROUND_OFF * balls.radius if balls.profile.shape[-1] else np.zeros(len(x))
+    shortest = ROUND_OFF * (balls.radius if balls.profile.shape[-1] else np.abs(x[:, :2]).max(axis=1))
     for _ in range(SETTLING):
         c, body, y = contacts.take(left) if len(x) > 1 else contacts, balls.body[left], x[left, 2]
         net = (c.force[..., None] * c.normal).sum(axis=1)
