@@ -57,7 +57,7 @@ def report(
         Compute the 3D reference of Lin's cases 1 and 2 on the coarsest mesh only, and write only the sections that depend
         on it. The report lists the omitted sections (printed data, errors, friction, rolling and others).
     stored
-        Compute no run of the 3D reference: use the shipped runs, and omit what they do not cover.
+        Without a scene: compute no run of the 3D reference, use the shipped runs, and omit what they do not cover.
     store
         Folder of the computed runs of the 3D reference, where an interrupted report resumes. Shipped runs are used if all
         their inputs are unchanged.

@@ -60,7 +60,7 @@ def sweep(
         Seed of the random numbers from which the samples are drawn.
     outputs
         NAME,NAME: quantities to compute in addition to the largest load; their names are the columns of samples.csv.
-        Default: all. Without rigidity_N_per_um and preload_N, a sample needs one solution instead of two.
+        Default: all; a wrong name lists them. A sample needs one solution, with rigidity_N_per_um or preload_N two.
     out
         Folder of samples and summary; samples that are stored there are not solved again.
     """

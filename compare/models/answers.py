@@ -444,7 +444,7 @@ def _conformity_warnings(scene: Scene) -> Iterator[ResultWarning]:
         yield ResultWarning("conformity", text, text)
 
 
-def validity_warnings(found: SetResult, preload: float) -> Iterator[ResultWarning]:
+def warnings_of_set(found: SetResult, preload: float) -> Iterator[ResultWarning]:
     """Yield warnings for results outside the range of validity of the models.
 
     Parameters

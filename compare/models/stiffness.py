@@ -123,6 +123,7 @@ class LoadPointStiffness(CrossMotion):
         error="that of the displacement",
         heading="rigidity, secant",
         expected=("displacement", 1.0),
+        note="at {at} along {along}",
     )
     tangent: float | None = quantity_field(
         "tangent_N_per_um",

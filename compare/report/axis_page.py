@@ -20,7 +20,7 @@ from rollbench.lowfi.rating.contacts import RACES, WorstContact
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import FREEDOMS, SIDES
 from rollbench.reports.content import Row, Section, Table, TableColumn, Text, text_column
-from rollbench.reports.scene_page import ScenePage
+from rollbench.reports.scene_html import ScenePage
 
 
 def result_page_of_shaft(scene_name: str, found: Result, stores: Sequence[Path]) -> ScenePage:

@@ -13,7 +13,7 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.report.several import INDEX, write_scene_pages
 from rollbench.compare.text.printing import CommandOutput
 from rollbench.reports.manifest import read_report_file
-from rollbench.reports.scene_page import read_page_data
+from rollbench.reports.scene_html import read_page_data
 
 #: Relative changes of a number [%] that are ignored: between two pages as round-off, between two reports as solver
 #: tolerance.

@@ -57,7 +57,7 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, SIDES, Motion, Scene, Time
 from rollbench.reports.content import Figure, LoadedScrew, Panel, Row, Section, Series, Table, TableColumn, Text
 from rollbench.reports.manifest import sha256
-from rollbench.reports.scene_page import ScenePage
+from rollbench.reports.scene_html import ScenePage
 
 #: Title of the sketch of the scene.
 SKETCH = "Side view of screw, nut and balls, to scale near the nut; hatched: surfaces at which the nut is fixed"

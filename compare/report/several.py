@@ -18,7 +18,7 @@ from rollbench.compare.text.solved import number_or_range_text
 from rollbench.reports.content import Item, Row, Section, Table, TableColumn, text_column
 from rollbench.reports.manifest import sha256
 from rollbench.reports.pages import replace_report_folder
-from rollbench.reports.scene_page import ScenePage, scene_page_html
+from rollbench.reports.scene_html import ScenePage, scene_page_html
 
 #: File name of the first page.
 INDEX = "index.html"

@@ -61,6 +61,8 @@ FIELDS = {"loads": "load_summary", "contact_lost": "lift_off"}
 UNKNOWN = "no equilibrium was found without the scene's loads"
 #: Columns of the table of nuts and bearings on a shaft: record in the results of each, its quantity, heading.
 OF_SETS = (
+    ("nut", "force_N", "force by loads N"),
+    ("nut", "displacement_um", "displacement um"),
     ("nut", "tangent_N_per_um", "rigidity, tangent N/um"),
     ("nut", "across_um", "across um"),
     ("nut", "tilt_mrad", "tilt mrad"),
@@ -335,7 +337,7 @@ def bearing_and_nut_rows(sets: Mapping[str, SetResult]) -> list[dict[str, Any]]:
     for k, s in enumerate(sets.values(), 1):
         records = nested_records(s)
         row: dict[str, Any] = {"set": f"{k} {s.name}", "z mm": f"{1e3 * s.position:.1f}"}
-        row["axial force N"] = None if s.force is None else format_by_error(float(s.force[2]))
+        row["force on shaft N"] = None if s.force is None else format_by_error(float(s.force[2]))
         for group, key, heading in OF_SETS:
             value = quantity_value(records.get(group), key)
             if isinstance(value, float) and abs(value) < ROUND_OFF:

@@ -84,7 +84,7 @@ def _solve_single(scene: Scene, model: str, options: ModelOptions) -> Result:
     (lift_off,) = loading.find_lift_off_loads(solutions)
     one = answers.results_of_single(scene, result, bare, stiffness.nut, lift_off, options.member)
     path = loading.load_path_of_scene(scene, result, bare)
-    warned = [*answers.validity_warnings(one, loading.absolute_axial_preload(one.preload))]
+    warned = [*answers.warnings_of_set(one, loading.absolute_axial_preload(one.preload))]
     if scene.friction is not None:
         warned += warn_of_overall_friction_coefficient(scene.track, scene.friction)
     warned += [*loading.load_path_warnings(path), *answers.axial_play_warnings(scene)]
@@ -148,7 +148,7 @@ def solve_shaft(assembly: Assembly, model: str, member: int = 0) -> Result:
     warned = [
         w.with_part_name(s.name)
         for s in sets.values()
-        for w in answers.validity_warnings(s, loading.absolute_axial_preload(s.preload))
+        for w in answers.warnings_of_set(s, loading.absolute_axial_preload(s.preload))
     ]
     warned += [w for x in answers.load_paths_by_body(assembly, result, path) for w in loading.load_path_warnings(x)]
     warned += loading.lost_preload_warnings(solutions)

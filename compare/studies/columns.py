@@ -1,6 +1,7 @@
 """Columns of what many solves answer: for each, its heading and how it follows from one solved scene.
 
-A sweep stores these columns, and a table takes those that it shows. To add a column, add its line to `COLUMNS`.
+A sweep stores these columns; to add one, add its line to `COLUMNS`. A table shows those that `QUANTITIES` in
+`compare/results/table.py` names.
 """
 
 from __future__ import annotations
@@ -204,9 +205,9 @@ _GROWTH = "largest load over that in the first load case, {} of all nuts and bea
 COLUMNS = {
     MAIN: Column("largest contact load / N", lambda s: float(s.positive_loads.max(initial=0.0))),
     "mean_load_N": Column("mean contact load / N", lambda s: mean_load(s.positive_loads, _nominal_contacts(s.scene))),
-    "loaded_contacts": Column("loaded contacts", lambda s: int(s.positive_loads.size)),
+    "loaded_contacts": Column("number of loaded contacts", lambda s: int(s.positive_loads.size)),
     "idle_balls": Column(
-        "balls without load",
+        "number of balls without load",
         lambda s: sum(int(np.count_nonzero(~(balls.load > 0.0).any(axis=1))) for _, balls in s.ball_sets),
     ),
     "displacement_um": Column("displacement of the load's point to ground / um", _displacement),

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
-from rollbench.compare.models.answers import results_of_contact_loads, validity_warnings
+from rollbench.compare.models.answers import results_of_contact_loads, warnings_of_set
 from rollbench.compare.models.friction_sums import friction_torques, without_times_and_warnings
 from rollbench.compare.models.friction_torques import TORQUE_KEYS
 from rollbench.compare.models.loading import preload_from_unloaded
@@ -649,7 +649,7 @@ def _build_friction_answer(
     between = 0.0 if state.neighbour_friction is None else state.neighbour_friction.power_lost_between_balls
     loads = results_of_contact_loads(scene, result.load, result.contact_angle, result.member)
     warnings = [] if played is None else [play_warning(played)]
-    warnings += [*result.warnings, *validity_warnings(loads, held), *notes_on_friction_feedback(unloaded, result, state)]
+    warnings += [*result.warnings, *warnings_of_set(loads, held), *notes_on_friction_feedback(unloaded, result, state)]
     if abs(slip) > WIDE:
         text = f"the contacts are so wide that {output.heathcote_slip_clause(slip)}"
         warnings.append(ResultWarning("slip", text))

@@ -77,7 +77,7 @@ class SweepDefinition(sample.VariedScene):
         """Return the inputs on which the samples' results depend, as JSON values by which the sweep is recognised."""
         names = ("samples", "method", "seed", "model")
         what = {"scene": self.file_name, "text": self.text, "vary": [vary.stated_text for vary in self.keys]}
-        some: dict[str, Any] = {"outputs_kept": list(self.wanted_outputs)} if self.outputs else {}
+        some: dict[str, Any] = {"outputs_kept": list(self.wanted_outputs)}
         if self.model not in MODELS:
             some["model_of"] = user_models.origin_of_model(self.model)
         return {"rollbench": __version__, **what, **{name: getattr(self, name) for name in names}, **some}

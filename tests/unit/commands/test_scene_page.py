@@ -16,9 +16,9 @@ import rollbench
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.report import changes, scene_page, several
 from rollbench.meshes.parts import SIDES
-from rollbench.reports import scene_page as pages_of_scenes
+from rollbench.reports import scene_html as pages_of_scenes
 from rollbench.reports.cells import with_typographic_signs
-from rollbench.reports.scene_page import read_page_data, scene_page_html
+from rollbench.reports.scene_html import read_page_data, scene_page_html
 
 pytestmark = pytest.mark.xdist_group("scene page")
 
@@ -186,7 +186,7 @@ def test_the_page_of_an_axis_has_the_numbers_of_its_results():
     tables = {item.name: item.rows for part in page.parts for item in part.items if hasattr(item, "rows")}
     loads = [load for s in solved.sets.values() for load in s.roller_loads]
     assert [row["load"] for row in tables["rollers"]] == pytest.approx(loads)
-    shown = [float(row["axial force N"]) for row in tables["sets"]]
+    shown = [float(row["force on shaft N"]) for row in tables["sets"]]
     assert shown == pytest.approx([s.force[2] for s in solved.sets.values()], rel=1e-3)
     view = json.loads(re.search(r'id="view-data">(.*?)</script>', html, flags=re.DOTALL)[1])
     assert [one["name"] for one in view["cases"][0]["sets"]] == [*solved.sets]

@@ -16,7 +16,7 @@ from rollbench.compare.studies.sweep.keys import read_varied_keys
 from rollbench.compare.studies.sweep.run import SweepDefinition
 from rollbench.compare.studies.sweep.sample import VariedScene, solve_sample
 from rollbench.lowfi.rating.life import basic_rating_life, damage_equivalent_contact_loads, life_by_equivalent_loads
-from rollbench.reports.scene_page import read_page_data
+from rollbench.reports.scene_html import read_page_data
 
 #: A ring that nothing holds across its two balls, without and with a force across them.
 OPEN = case("held", share=0.5) + case("open", share=0.5) + 'loads = [{ at = "7 mm", force = ["0 N", "1 kN", "0 N"] }]\n'

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.compare.models.answers import validity_warnings
+from rollbench.compare.models.answers import warnings_of_set
 from rollbench.lowfi.rating.life import dynamic_rating
 
 SCENE = small_screw()
@@ -25,4 +25,4 @@ RATING = dynamic_rating(SCENE)
 )
 def test_each_line_is_said_just_beyond_it(safety, preload, kinds):
     found = SimpleNamespace(parts=SCENE, worst=None if safety is None else SimpleNamespace(safety=safety))
-    assert [warned.kind for warned in validity_warnings(found, preload)] == kinds
+    assert [warned.kind for warned in warnings_of_set(found, preload)] == kinds
