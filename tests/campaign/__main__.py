@@ -14,7 +14,9 @@ import io
 import json
 import sys
 from contextlib import redirect_stdout
+from functools import lru_cache
 from pathlib import Path
+from unittest.mock import patch
 
 from tests.campaign import files, scenes
 from tests.campaign.draw import scene_text
@@ -26,18 +28,23 @@ from rollbench.compare.cli import app_with_commands
 from rollbench.compare.errors import InputError, one_line
 from rollbench.compare.files import replace_file
 from rollbench.compare.models.registry import AXIS_MODELS, MODELS
+from rollbench.compare.results import solving
 from rollbench.compare.studies.extremes import BAD, Record, read_campaign_records
 from rollbench.compare.studies.run_times import utc_date_today
 from rollbench.meshes.processes import limit_to_one_thread
 
 SOLVE = app_with_commands("solve")
+SOLVED_ONCE = lru_cache(maxsize=1)(solving.solve_with_results)
 
 
 def run_solve(tokens: list[str]) -> tuple[int, str]:
-    """Exit code of ``rollbench solve`` in this process and what it prints; 2 and its line where it refuses its input."""
+    """Exit code of ``rollbench solve`` in this process and what it prints; 2 and its line where it refuses its input.
+
+    A scene that is asked for again, as text and as JSON, is solved once.
+    """
     out = io.StringIO()
     try:
-        with redirect_stdout(out):
+        with redirect_stdout(out), patch.object(solving, "solve_with_results", SOLVED_ONCE):
             code = int(SOLVE(tokens, exit_on_error=False, print_error=False, result_action="return_value"))
     except InputError as error:
         return 2, str(error)
