@@ -110,8 +110,12 @@ def contact(path: Path) -> None:
     axes.text(-0.95, 0.12, "groove_radius", **CODE)
     axes.text(0, 2.0, "nut", ha="center", va="center")
     axes.text(0, -2.0, "screw", ha="center", va="center")
-    axes.text(1.75, -0.78, "land", fontsize=8)
-    axes.text(-1.02, 0.95, "arc", fontsize=8, ha="right")
+    edge = excess * np.cos(angle) - radius * np.cos(np.radians(78))
+    phi = np.radians(70)
+    on_arc = (excess * np.sin(angle) - radius * np.sin(phi), radius * np.cos(phi) - excess * np.cos(angle))
+    for name, at, text in (("land", (1.75, edge), (1.75, -0.8)), ("arc", on_arc, (-1.75, 0.75))):
+        arrow = {"arrowstyle": "->", "lw": 0.7}
+        axes.annotate(name, xy=at, xytext=text, fontsize=8, ha="center", va="center", arrowprops=arrow)
     axes.set_xlim(-2.4, 2.4)
     axes.set_ylim(-2.2, 2.2)
     figure.savefig(path)
