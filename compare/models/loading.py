@@ -334,7 +334,8 @@ def _search_first_zero_over_loads(
             return _ZeroOverLoads(high, opened, solves)
         before = root
         if len(known) == 1:  # the loads that open a contact are to those at `high` about as the quantities are
-            factor = 0.5 * high * float(min(1.0, *(known[0][1].max() / beyond[beyond > 0.0]).tolist()))
+            preloaded = float(known[0][1].max())
+            factor = 0.5 * high * preloaded / max(float(beyond.max()), preloaded)
         else:
             factor = low + (FAR if len(known) == 2 else NEAR) * (root - low) if root < high else 0.5 * (low + high)
         trial = solutions.at(factor)

@@ -422,6 +422,8 @@ def ball_equilibrium(balls: Balls, shift: Array, unloaded: Array) -> tuple[Array
             if not some.size:
                 break
         left = left[lower]
+        if not left.size:
+            break
     return x, contacts, energy
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from tests.axes import fixed_axis, one_set, solved
 from tests.campaign import check_axes, scenes
+from tests.campaign.__main__ import run_solve
 from tests.campaign.draw_axes import axis_text
 
 from rollbench.compare.models.registry import MODELS
@@ -37,6 +38,12 @@ ONCE_BAD = {
 def test_axes_that_were_wrong_once(seed, number):
     found = scenes.judge(seed, number, "lin", draw=axis_text)
     assert found.verdict == ONCE_BAD[seed, number], found.words
+
+
+def test_a_set_that_loads_open_altogether_is_answered_through_the_command_line():
+    """The search of its lift-off load once ended in a traceback."""
+    found = scenes.judge(880501, 46, "lin", run_solve, axis_text)
+    assert found.verdict == extremes.RIGHT, found.words
 
 
 def test_axes_that_are_only_warm_are_right_and_do_not_jump_under_a_small_load():
