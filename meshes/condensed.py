@@ -29,7 +29,8 @@ from rollbench.meshes.record_keys import digest_of_values
 FORMAT = 2
 #: Largest size of all arrays in a file together [bytes]; those of a screw with 1000 contacts need a tenth of it.
 LARGEST_FILE = 200_000_000
-#: Exceptions that reading a damaged zip archive can raise.
+#: Exceptions that reading a damaged zip archive can raise (it may name a compression that does not exist); an error of the
+#: file follows from each, with the exception as its cause.
 DAMAGE = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, NotImplementedError, OverflowError, ValueError)
 #: Compression methods of the zip archives (.npz files) that numpy writes.
 PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)

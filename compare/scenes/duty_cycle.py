@@ -45,8 +45,8 @@ class FrictionScene(RecordWithArrays):
         return toml_of_tables(head | self.file_tables())
 
     def file_tables(self) -> Table:
-        """Return the keys and tables of the scene file that belong to this kind of scene."""
-        raise NotImplementedError(self.kind)
+        """Return the keys and tables of the scene file that belong to this kind of scene; each kind defines its own."""
+        raise NotImplementedError(self.kind)  # no scene is of this base class
 
 
 @result_record
