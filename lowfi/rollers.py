@@ -282,80 +282,6 @@ class TaperedBearing:
         return approach_law_of_races(roller, (1.0 / cone, -1.0 / cup), (self.depth, self.depth), self.young, self.poisson)
 
 
-@dataclass(frozen=True)
-class RollerContacts:
-    """Line contacts of a straight, untilted roller with both races; the arrays ``(2,)`` hold inner, then outer race."""
-
-    #: Half-widths b of the line contacts [m].
-    half_widths: Array
-    #: Largest contact pressures [Pa].
-    pressures: Array
-    #: Areas 2 b L of the line contacts [m^2].
-    areas: Array
-    #: Force of the rib on the roller's large end [N].
-    rib_load: float
-
-
-def roller_line_contacts(bearing: TaperedBearing, load: float) -> RollerContacts:
-    """Return the line contacts of a straight, untilted roller with both races under a given force.
-
-    Parameters
-    ----------
-    bearing
-        The bearing.
-    load
-        Force Q of each race on the roller [N].
-
-    References
-    ----------
-    Corrects Smith (1994), 3.23 to 3.27. He uses the area pi a b of an ellipse with semi-axes a and b, where a line
-    contact of half-width b and length L has the area 2 b L. He also neglects the load 2 Q sin(gamma) of the rib, with half
-    the included angle gamma of the roller.
-    """
-    widths, pressures = (v[0] for v in half_widths_and_pressures_of_slices(bearing, np.array([load / bearing.length])))
-    rib = float(2.0 * load * np.sin(bearing.roller_angle))
-    return RollerContacts(widths, pressures, 2.0 * widths * bearing.length, rib)
-
-
-@dataclass(frozen=True)
-class StraightTaperedRow:
-    """Load-deflection law of a tapered roller bearing with straight rollers under pure thrust.
-
-    An axial deflection u of one ring compresses every roller by u sin(alpha); alpha is half the included angle of the cup.
-    """
-
-    #: Dimensions and material of the bearing.
-    bearing: TaperedBearing
-
-    def thrust(self, deflection: float) -> float:
-        """Return the thrust [N] at an axial deflection [m]; zero if the deflection is negative (loose rollers)."""
-        b = self.bearing
-        q = float(b.approach_law().line_load(deflection * np.sin(b.cup_angle)))
-        return float(b.rollers * b.length * q * np.sin(b.cup_angle))
-
-    def stiffness(self, deflection: float) -> float:
-        """Return the axial stiffness [N/m] at an axial deflection [m]; zero if the rollers are loose."""
-        b, law = self.bearing, self.bearing.approach_law()
-        slope = float(law.stiffness_per_length(law.line_load(deflection * np.sin(b.cup_angle))))
-        return float(b.rollers * b.length * slope * np.sin(b.cup_angle) ** 2)
-
-    def deflection(self, load: float) -> float:
-        """Return the axial deflection [m] under a thrust [N], in closed form.
-
-        Raises
-        ------
-        ValueError
-            The load is negative: a row of tapered rollers carries thrust in one direction only.
-        """
-        if load < 0.0:
-            raise ValueError(
-                f"a row of tapered rollers carries thrust in one direction only: it must not be negative, got {load:g} N"
-            )
-        b = self.bearing
-        sin = np.sin(b.cup_angle)
-        return float(b.approach_law().approach(load / (b.rollers * b.length * sin)) / sin)
-
-
 def tapered_bearing_of_row(row: RollerRow) -> TaperedBearing:
     """Convert a row of rollers of a scene to a `TaperedBearing`.
 
@@ -371,33 +297,6 @@ def tapered_bearing_of_row(row: RollerRow) -> TaperedBearing:
     """
     young, poisson = row.material.youngs_modulus, row.material.poissons_ratio
     return TaperedBearing(row.count, row.diameter, row.length, row.cup_angle, row.roller_angle, young, poisson, row.depth)
-
-
-@dataclass(frozen=True)
-class SlicedRoller:
-    """Roller with a crowned profile, cut into n slices of equal width."""
-
-    #: Law between approach and line load, the same for every slice.
-    slice_law: LineContactLaw
-    #: Positions of the middles of the slices along the roller ``(n,)`` [m], from the roller's middle.
-    slice_positions: Array
-    #: Effective length of the roller [m].
-    length: float
-    #: Drop of the crowned profile below a straight profile at each slice ``(n,)`` [m], the sum for both contacts; it is
-    #: subtracted from the approach of the slice.
-    profile_drops: Array
-
-
-@dataclass(frozen=True)
-class SlicedRollerState:
-    """Force, stiffness and line loads of a sliced roller at one approach of its raceways."""
-
-    #: Force of either race on the roller [N].
-    race_force: float
-    #: Derivative of the race force with respect to the approach of the raceways [N/m].
-    stiffness: float
-    #: Load per length of each slice ``(n,)`` [N/m].
-    line_loads: Array
 
 
 def slice_middles(length: float, slices: int) -> Array:
@@ -424,24 +323,6 @@ def circular_crown_profile(radius: float) -> Callable[[Array], Array]:
         Radius R of the crown [m].
     """
     return lambda x: x**2 / radius
-
-
-def slice_roller(bearing: TaperedBearing, slices: int, profile: Callable[[Array], Array] | None = None) -> SlicedRoller:
-    """Cut a bearing's roller into equal slices.
-
-    Parameters
-    ----------
-    bearing
-        The bearing.
-    slices
-        Number of slices.
-    profile
-        Drop of the profile [m], the sum for both contacts, as a function of the distance from the roller's middle [m]; None
-        for a straight roller.
-    """
-    x = slice_middles(bearing.length, slices)
-    drop = np.zeros_like(x) if profile is None else np.asarray(profile(x))
-    return SlicedRoller(bearing.approach_law(), x, bearing.length, drop)
 
 
 def half_widths_and_pressures_of_slices(bearing: TaperedBearing, line_loads: Array) -> tuple[Array, Array]:
@@ -475,64 +356,49 @@ def half_widths_and_pressures_of_slices(bearing: TaperedBearing, line_loads: Arr
     return b, line_contact_pressure(q, np.where(q == 0.0, 1.0, b))
 
 
-def sliced_roller_state_at_approach(roller: SlicedRoller, approach: float) -> SlicedRollerState:
-    """Return force, stiffness and line loads of a sliced roller at a given approach of its raceways.
-
-    ``approach``: approach of the raceways in the roller's middle [m], from which the drop of the profile is subtracted at
-    each slice.
-    """
-    q = roller.slice_law.line_load(approach - roller.profile_drops)
-    width = roller.length / roller.slice_positions.size
-    return SlicedRollerState(float(width * q.sum()), float(width * roller.slice_law.stiffness_per_length(q).sum()), q)
-
-
-def sliced_roller_approach_under_force(roller: SlicedRoller, force: float) -> float:
-    """Return the approach of the raceways [m] at which they press on a sliced roller with a given force [N].
-
-    Raises
-    ------
-    ValueError
-        The force is not positive.
-    """
-    if force <= 0.0:
-        raise ValueError(f"the force of the races on a roller must be above 0 N (compression), got {force:g} N")
-    low = float(roller.profile_drops.min())
-    high = float(roller.slice_law.approach(force / roller.length).max() + roller.profile_drops.max()) * (1.0 + 1e-9)
-
-    def excess_of_force(approach: float) -> float:
-        """Return the race force at an approach [m] less the given force [N]."""
-        return sliced_roller_state_at_approach(roller, approach).race_force - force
-
-    return float(brentq(excess_of_force, low, high, xtol=1e-22, rtol=8.9e-16))
-
-
 @dataclass(frozen=True)
-class SlicedTaperedRow:
-    """Load-deflection law of a tapered roller bearing under pure thrust, with rollers that are cut into slices."""
+class TaperedRow:
+    """Load-deflection law of a tapered roller bearing under pure thrust, whose rollers are cut into n equal slices.
+
+    An axial deflection u of one ring compresses every roller in its middle by u sin(alpha), with half the included angle
+    alpha of the cup. One slice is enough for straight rollers.
+    """
 
     #: Dimensions and material of the bearing.
     bearing: TaperedBearing
-    #: Number of equal slices of a roller.
-    slices: int = 31
-    #: Drop of the profile [m], the sum for both contacts, as a function of the distance from the roller's middle [m]; None:
-    #: straight rollers.
-    profile: Callable[[Array], Array] | None = None
+    #: Number n of equal slices of a roller.
+    slices: int = 1
+    #: Drop of the profile [m], the sum for both contacts, as a function of the distance from the roller's middle [m]; by
+    #: default rollers are straight.
+    profile: Callable[[Array], Array] = np.zeros_like
 
     @cached_property
-    def roller(self) -> SlicedRoller:
-        """Roller of the bearing, cut into slices."""
-        return slice_roller(self.bearing, self.slices, self.profile)
+    def law(self) -> LineContactLaw:
+        """Law between approach and line load, the same for every slice."""
+        return self.bearing.approach_law()
+
+    @cached_property
+    def drops(self) -> Array:
+        """Drop of the profile at each slice ``(n,)`` [m], the sum for both contacts."""
+        return np.asarray(self.profile(slice_middles(self.bearing.length, self.slices)))
+
+    @property
+    def thrust_per_line_load(self) -> float:
+        """Thrust of the row per mean load per length of a roller [m]."""
+        return float(self.bearing.rollers * self.bearing.length * np.sin(self.bearing.cup_angle))
+
+    def line_loads(self, deflection: float) -> Array:
+        """Return the load per length of each slice of a roller ``(n,)`` [N/m] at an axial deflection [m]."""
+        return self.law.line_load(deflection * np.sin(self.bearing.cup_angle) - self.drops)
 
     def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]; zero where the rollers are loose."""
-        sin = np.sin(self.bearing.cup_angle)
-        return float(self.bearing.rollers * sin * sliced_roller_state_at_approach(self.roller, deflection * sin).race_force)
+        return self.thrust_per_line_load * float(self.line_loads(deflection).mean())
 
     def stiffness(self, deflection: float) -> float:
         """Return the axial stiffness [N/m] at an axial deflection [m]; zero where the rollers are loose."""
-        sin = np.sin(self.bearing.cup_angle)
-        state = sliced_roller_state_at_approach(self.roller, deflection * sin)
-        return float(self.bearing.rollers * sin**2 * state.stiffness)
+        slope = self.law.stiffness_per_length(self.line_loads(deflection)).mean()
+        return float(self.thrust_per_line_load * np.sin(self.bearing.cup_angle) * slope)
 
     def deflection(self, load: float) -> float:
         """Return the axial deflection [m] under a thrust [N].
@@ -540,7 +406,12 @@ class SlicedTaperedRow:
         Raises
         ------
         ValueError
-            The thrust is not positive.
+            The load is negative: a row of tapered rollers carries thrust in one direction only.
         """
-        sin = np.sin(self.bearing.cup_angle)
-        return float(sliced_roller_approach_under_force(self.roller, load / (self.bearing.rollers * sin)) / sin)
+        if load < 0.0:
+            raise ValueError(
+                f"a row of tapered rollers carries thrust in one direction only: it must not be negative, got {load:g} N"
+            )
+        sin, straight = np.sin(self.bearing.cup_angle), float(self.law.approach(load / self.thrust_per_line_load))
+        low, high = float(self.drops.min() / sin), float((straight + self.drops.max()) / sin) * (1.0 + 1e-9)
+        return float(brentq(lambda u: self.thrust(u) - load, low, high, xtol=1e-22, rtol=8.9e-16))

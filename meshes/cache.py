@@ -33,11 +33,11 @@ import time
 import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from functools import lru_cache, wraps
+from functools import lru_cache, update_wrapper, wraps
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, Generic, ParamSpec, TypeVar
 from zipfile import BadZipFile
 
 import numpy as np
@@ -66,6 +66,9 @@ class StageMessage(str):
 
 P = ParamSpec("P")
 T = TypeVar("T")
+
+#: Largest size of the arrays [bytes] on which a result that is kept in memory depends.
+LARGEST_KEPT = 2**25
 
 #: Subfolder of a cache for the files of its results; and path of the subfolder that versions before 0.5 used, which is
 #: deleted.
@@ -444,13 +447,54 @@ def each_cached_on_disk(
     return decorate_function
 
 
-def record_to_bytes(value: object) -> bytes:
+@dataclasses.dataclass(eq=False)
+class KeptByContent(Generic[P, T]):
+    """Function whose last results are kept in memory, see `kept_by_content`."""
+
+    #: The function.
+    function: Callable[P, T]
+    #: Number of results that are kept.
+    count: int
+    #: Function that returns what the result depends on.
+    moved_by: Callable[P, Sequence[Any]]
+    #: Results by the content of what they depend on, the latest last.
+    kept: dict[tuple[object, ...], T] = dataclasses.field(default_factory=dict)
+
+    def __call__(self, *args: P.args, **kwargs: P.kwargs) -> T:
+        """Return the result for the arguments, which must not be changed."""
+        inputs = self.moved_by(*args, **kwargs)
+        if sum(x.nbytes for x in inputs if isinstance(x, np.ndarray)) > LARGEST_KEPT:
+            return self.function(*args, **kwargs)
+        key = tuple((x.shape, x.tobytes()) if isinstance(x, np.ndarray) else x for x in inputs)
+        found = self.kept.pop(key) if key in self.kept else self.function(*args, **kwargs)
+        self.kept[key] = found
+        if len(self.kept) > self.count:
+            del self.kept[next(iter(self.kept))]
+        return found
+
+    def cache_clear(self) -> None:
+        """Delete all results."""
+        self.kept.clear()
+
+
+def kept_by_content(count: int, moved_by: Callable[P, Sequence[Any]]) -> Callable[[Callable[P, T]], KeptByContent[P, T]]:
+    """Return a decorator for a function of arrays that keeps its last results in memory, by the content of the arrays.
+
+    ``count``: number of results that are kept; ``moved_by``: function that returns the arrays and other values on which the
+    result depends. Results of more than `LARGEST_KEPT` bytes of input are not kept.
+    """
+    return lambda function: update_wrapper(KeptByContent(function, count, moved_by), function)  # type: ignore[return-value]
+
+
+def record_to_bytes(value: object, *, compressed: bool = False) -> bytes:
     """Convert a dataclass record, or another plain value, to the bytes of an .npz file without pickled objects.
 
     Parameters
     ----------
     value : object
-        Record, number, text, array, sparse matrix, tuple, list, dict or class; may be nested.
+        Record, number, text, array, sparse matrix, tuple, list, range, dict or class; may be nested.
+    compressed : bool, default False
+        Whether the file is compressed, which takes more time.
 
     Returns
     -------
@@ -470,7 +514,8 @@ def record_to_bytes(value: object) -> bytes:
     arrays: list[Any] = []
     tree = json.dumps(_json_structure(value, arrays))
     stream = io.BytesIO()
-    np.savez(stream, np.frombuffer(tree.encode(), np.uint8), *arrays)
+    save = np.savez_compressed if compressed else np.savez
+    save(stream, np.frombuffer(tree.encode(), np.uint8), *arrays)
     return stream.getvalue()
 
 
@@ -510,15 +555,21 @@ def _json_structure(value: Any, arrays: list[Any]) -> Any:
     """
     if value is None or type(value) in (bool, int, float, str):
         return value
-    if isinstance(value, np.ndarray | np.generic) and value.dtype != object:
+    if isinstance(value, str) and not isinstance(value, np.generic):  # a text with attributes, which are left out
+        return str(value)
+    if isinstance(value, np.generic) and value.dtype.kind in "biufU":
+        return ["scalar", value.dtype.str, value.item()]
+    if isinstance(value, np.ndarray) and value.dtype != object:
         arrays.append(value)
-        return ["array" if isinstance(value, np.ndarray) else "scalar", len(arrays) - 1]
+        return ["array", len(arrays) - 1]
     if type(value).__module__.startswith("scipy.sparse"):
         matrix: Any = value if value.format in ("csr", "csc") else value.tocsr()
         parts = (_json_structure(x, arrays) for x in (matrix.data, matrix.indices, matrix.indptr))
         return ["sparse", _qualified_class_name(type(matrix)), list(matrix.shape), *parts]
     if type(value) in (tuple, list):
         return [type(value).__name__, *(_json_structure(x, arrays) for x in value)]
+    if type(value) is range:
+        return ["range", value.start, value.stop, value.step]
     if type(value) is dict:
         return ["dict", *([_json_structure(k, arrays), _json_structure(x, arrays)] for k, x in value.items())]
     if isinstance(value, type):
@@ -549,9 +600,10 @@ def _unpack_value(structure: Any, arrays: list[Any], packages: tuple[str, ...]) 
 
     makers: dict[str, Callable[[], Any]] = {
         "array": lambda: arrays[content[0]],
-        "scalar": lambda: arrays[content[0]][()],
+        "scalar": lambda: np.dtype(content[0]).type(content[1]),
         "tuple": lambda: tuple(map(unpack_part, content)),
         "list": lambda: list(map(unpack_part, content)),
+        "range": lambda: range(*content),
         "dict": lambda: {unpack_part(k): unpack_part(x) for k, x in content},
         "sparse": lambda: _import_class(content[0], ("scipy",))(
             tuple(map(unpack_part, content[2:])), shape=tuple(content[1])

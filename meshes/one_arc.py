@@ -118,8 +118,8 @@ def with_single_arc_grooves(scene: Scene) -> Scene:
     Scene
         Scene with single arcs; the same scene where no arch is replaced.
     """
-    angle, ball = scene.track.contact_angle, scene.balls.radius
-    if angle <= LEAST or scene.track.arcs != "two" or not has_single_arc_grooves(scene):
+    angle, ball, track = scene.track.contact_angle, scene.balls.radius, scene.track
+    if track.lead != 0.0 or track.arcs != "two" or angle <= LEAST or not has_single_arc_grooves(scene):
         return scene
     groove = max(scene.screw.groove_radius, scene.nut.groove_radius)
     ridge = (groove - ball) * ball / (2.0 * groove) * angle**2

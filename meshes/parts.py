@@ -600,7 +600,7 @@ class Circulation:
         "number of turns with loaded balls of each thread start, in all its circuits together; if left out, the "
         "turns that its balls fill",
     )
-    returning: Annotated[int, ranges.IntegerRange(0, ranges.MAX_BALLS)] = frozen_default(
+    returning: Annotated[int, ranges.Plain("int", 0, ranges.MAX_BALLS)] = frozen_default(
         0, "number of balls in the return path of each circuit", 4
     )
     gap: ranges.Clearance | None = frozen_default(
@@ -622,7 +622,7 @@ class Time:
         None, "angle by which the rotating part turns in the computed time", "360 deg"
     )
     duration: ranges.Duration | None = frozen_default(None, "computed time (instead of angle)", "1 s")
-    steps: Annotated[int, ranges.IntegerRange(1, 100_000)] | None = frozen_default(
+    steps: Annotated[int, ranges.Plain("int", 1, 100_000)] | None = frozen_default(
         None, "number of time steps, at least 4; if left out, as many as needed for errors below goal", 200
     )
     goal: ranges.StepGoal = frozen_default(

@@ -39,7 +39,7 @@ class QuantityDescription:
     #: Text after the value in the table of results; keys in braces are replaced by the values of the record, as in
     #: ``"ball {ball} {side}"``.
     note: str = ""
-    #: Whether the key is left out where the value is None.
+    #: Whether the key is left out where the field is None.
     optional: bool = False
 
     def shown(self, value: object) -> object:

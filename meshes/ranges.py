@@ -9,7 +9,7 @@ import re
 from dataclasses import dataclass
 from decimal import Decimal
 from math import pi
-from typing import TYPE_CHECKING, Annotated, Any, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 from rollbench.meshes import units
 
@@ -231,46 +231,20 @@ class RateRange(QuantityRange):
 
 
 @dataclass(frozen=True)
-class IntegerRange:
-    """Allowed range of an integer in scene files; used to annotate the type of a field."""
+class Plain:
+    """Whole number, text, or true or false in scene files, which is read as it stands; used to annotate a field's type."""
 
-    #: Smallest allowed integer.
-    low: int
-    #: Largest allowed integer.
-    high: int
-
-    def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
-        """Return pydantic's schema, which accepts only integers in the range."""
-        from pydantic_core import core_schema
-
-        return core_schema.int_schema(strict=True, ge=self.low, le=self.high)
-
-
-@dataclass(frozen=True)
-class TextLength:
-    """Allowed number of characters of a text in scene files; used to annotate the type of a field."""
-
-    #: Smallest number of characters.
-    low: int
-    #: Largest number of characters.
-    high: int
+    #: Kind of the value, by pydantic's name.
+    kind: Literal["int", "str", "bool"]
+    #: Smallest and largest number, or number of characters of a text; None: any.
+    low: int | None = None
+    high: int | None = None
 
     def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
-        """Return pydantic's schema, which accepts only texts of this length."""
-        from pydantic_core import core_schema
-
-        return core_schema.str_schema(strict=True, min_length=self.low or None, max_length=self.high)
-
-
-@dataclass(frozen=True)
-class TrueOrFalse:
-    """Key of a scene file that is true or false, and no number or text; used to annotate the type of a field."""
-
-    def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
-        """Return pydantic's schema, which accepts only true and false."""
-        from pydantic_core import core_schema
-
-        return core_schema.bool_schema(strict=True)
+        """Return pydantic's schema."""
+        low, high = ("ge", "le") if self.kind == "int" else ("min_length", "max_length")
+        limits = {name: limit for name, limit in ((low, self.low), (high, self.high)) if limit is not None}
+        return {"type": self.kind, "strict": True} | limits
 
 
 @dataclass(frozen=True)
@@ -341,18 +315,18 @@ MAX_BALLS = 100_000
 
 #: A key that is true or false; a text of one line or sentence, the name of a nut, bearing or housing, a
 #: text that may be empty, and a list of sentences.
-Switch = Annotated[bool, TrueOrFalse()]
-Sentence = Annotated[str, TextLength(1, 2000)]
-Name = Annotated[str, TextLength(1, 60)]
-Words = Annotated[str, TextLength(0, 2000)]
+Switch = Annotated[bool, Plain("bool")]
+Sentence = Annotated[str, Plain("str", 1, 2000)]
+Name = Annotated[str, Plain("str", 1, 60)]
+Words = Annotated[str, Plain("str", None, 2000)]
 Sentences = Annotated[tuple[Sentence, ...], ListLength(0, 100)]
 #: Numbers of balls or rollers, of starts of a thread, of specimens with random errors; seed of random errors.
-Count = Annotated[int, IntegerRange(1, MAX_BALLS)]
-Starts = Annotated[int, IntegerRange(1, 100)]
-Slices = Annotated[int, IntegerRange(1, 200)]
-Circuits = Annotated[int, IntegerRange(1, 1000)]
-Members = Annotated[int, IntegerRange(1, 100_000)]
-Seed = Annotated[int, IntegerRange(0, 2**63 - 1)]
+Count = Annotated[int, Plain("int", 1, MAX_BALLS)]
+Starts = Annotated[int, Plain("int", 1, 100)]
+Slices = Annotated[int, Plain("int", 1, 200)]
+Circuits = Annotated[int, Plain("int", 1, 1000)]
+Members = Annotated[int, Plain("int", 1, 100_000)]
+Seed = Annotated[int, Plain("int", 0, 2**63 - 1)]
 
 #: Types of lengths: a dimension of a part, a radius of groove, ball or pitch circle, a diameter that may be zero, and an
 #: axial position.

@@ -31,7 +31,9 @@ FROZEN: dict[str, dict[str, object]] = {}
 _NONE: Any = object()
 
 
-def scene_key(description: str = "", example: object = None, *, static: bool | None = None, **more: Any) -> Any:
+def scene_key(
+    description: str = "", example: object = None, *, static: bool | None = None, usual: Any = _NONE, **more: Any
+) -> Any:
     """Return a dataclass field that is also a key of scene files; without a default, a file must have the key.
 
     Parameters
@@ -43,6 +45,8 @@ def scene_key(description: str = "", example: object = None, *, static: bool | N
     static : bool, optional
         Whether the field has an effect on static contact loads, and so is a part of the keys of stored runs. If one field
         of a record says so, all must.
+    usual : object, optional
+        Frozen default, as `frozen_default` sets it.
     **more : Any
         Further arguments of ``dataclasses.field``, such as the default in SI units.
 
@@ -51,13 +55,9 @@ def scene_key(description: str = "", example: object = None, *, static: bool | N
     dataclasses.Field
         The field, for the body of a dataclass.
     """
-    return field(metadata=_key_metadata(description, example, static), **more)
-
-
-def _key_metadata(description: str, example: object, static: bool | None) -> dict[str, Any]:
-    """Return the metadata of a field: description and example as a key of scene files, and whether it affects loads."""
     key = {"description": description or None, "examples": None if example is None else [example], "static": static}
-    return {name: value for name, value in key.items() if value is not None}
+    said = {name: value for name, value in key.items() if value is not None}
+    return field(metadata=said if usual is _NONE else said | {"usual": usual}, **more)
 
 
 def frozen_default(
@@ -90,8 +90,8 @@ def frozen_default(
     dataclasses.Field
         The field, for the body of a dataclass.
     """
-    metadata = {"usual": default} | _key_metadata(description, example, static)
-    return field(default=default if present_default is _NONE else present_default, metadata=metadata, compare=compare)
+    present = default if present_default is _NONE else present_default
+    return scene_key(description, example, static=static, usual=default, default=present, compare=compare)
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(scene_key,))

@@ -20,6 +20,9 @@ SIGNS = np.array(SIDE_SIGNS)
 #: Value of the argument ``side`` for all four flanks at once, in a second axis of the arrays.
 ALL = slice(None)
 
+#: Section angle [rad] of the middle of a flank, and distance from it up to which a profile error is its polynomial.
+FLANK_MIDDLE, POLYNOMIAL = 0.25 * np.pi, 0.5 * np.pi
+
 
 def groove_radius_with_slopes(gamma: Array, radius: float | Array, profile: Array) -> Array:
     """Compute the groove radius with profile error at given section angles, and its first two derivatives.
@@ -36,7 +39,8 @@ def groove_radius_with_slopes(gamma: Array, radius: float | Array, profile: Arra
     Returns
     -------
     (3, ...) Array
-        rho = radius - offset(gamma), d rho / d gamma and d2 rho / d gamma2 [m].
+        rho = radius - offset(gamma), d rho / d gamma and d2 rho / d gamma2 [m]. Far from the flank the offset is continued,
+        see `angle_of_profile`.
 
     References
     ----------
@@ -50,8 +54,29 @@ def groove_radius_with_slopes(gamma: Array, radius: float | Array, profile: Arra
     if not profile.size:
         flat = 0.0 * gamma
         return np.stack([radius + flat, flat, flat])
+    at, turn, bend = angle_of_profile(gamma)
     poly = np.polynomial.Polynomial(profile)
-    return np.stack([radius - poly(gamma), -poly.deriv()(gamma), -poly.deriv(2)(gamma) + 0.0 * gamma])
+    slope = -poly.deriv()(at)
+    return np.stack([radius - poly(at), slope * turn, -poly.deriv(2)(at) * turn**2 + slope * bend + 0.0])
+
+
+def angle_of_profile(gamma: Array) -> tuple[Array, Array, Array]:
+    """Return the angle at which the polynomial of a profile error is taken, and its two derivatives by the angle gamma.
+
+    It is the section angle gamma [rad] itself up to a right angle from the flank's middle. Further away, where there is no
+    groove, it returns to the middle's angle at the opposite side, with two continuous derivatives: otherwise the profile
+    would have a step there, on which no ball is in equilibrium.
+    """
+    t = gamma - FLANK_MIDDLE
+    far = np.abs(t) > POLYNOMIAL
+    if not np.any(far):
+        return gamma, np.ones_like(gamma), np.zeros_like(gamma)
+    t = (t + np.pi) % (2.0 * np.pi) - np.pi
+    s, side = np.maximum(np.abs(t) / POLYNOMIAL - 1.0, 0.0), np.sign(t)
+    back = side * POLYNOMIAL * (1.0 + s * (1.0 + s * s * (2.0 * s - 4.0)))
+    at = FLANK_MIDDLE + np.where(s > 0.0, back, t)
+    turn, bend = 1.0 + s * s * (8.0 * s - 12.0), side * s * (24.0 * s - 24.0) / POLYNOMIAL
+    return np.where(far, at, gamma), np.where(far, turn, 1.0), np.where(far, bend, 0.0)
 
 
 def surface_derivatives(scene: Scene, geometry: GeometryWithErrors, side: int | slice, gamma: Array) -> dict[str, Array]:

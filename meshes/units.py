@@ -103,6 +103,9 @@ PREFIXES = {"": 0, "p": -12, "n": -9, "u": -6, "µ": -6, "m": -3, "c": -2, "d": 
 PREFIXES |= {"da": 1, "h": 2, "k": 3, "M": 6, "G": 9, "T": 12}
 PREFIXES |= {"pico": -12, "nano": -9, "micro": -6, "milli": -3, "centi": -2, "deci": -1, "deca": 1, "hecto": 2}
 PREFIXES |= {"kilo": 3, "mega": 6, "giga": 9, "tera": 12}
+#: Dimension, factor and exponent of ten of each unit with and without a prefix; the first of `PREFIXES` counts, so that
+#: "min" is a minute and no milli-inch.
+_PREFIXED = {p + name: (*unit, tens) for p, tens in reversed(PREFIXES.items()) for name, unit in UNITS.items()}
 #: Exponents of m, kg, s, rad and K in the SI unit of each dimension.
 _POWERS = {
     "length": (1, 0, 0, 0, 0),
@@ -240,7 +243,15 @@ def parse_quantity(value: object, dimension: str) -> float:
 @lru_cache(maxsize=1024)
 def _parse_text_cached(value: str, dimension: str) -> float:
     """Convert a text to its value in SI units, as `parse_quantity` does; results are stored, because texts occur often."""
-    number, unit = _split_number_and_unit(value, dimension)
+    if _COMMA.match(value):
+        raise UnitError(value, dimension, "has a comma in its number", COMMA)
+    parts = split_quantity_text(value)
+    if parts is None:
+        if re.match(r"[+-]?(nan|inf)", value.strip(), re.IGNORECASE):
+            advice = f"write a finite number, e.g. {example_quantity(dimension)}"
+            raise UnitError(value, dimension, "is not finite", advice)
+        raise UnitError(value, dimension, "does not begin with a plain number")
+    number, unit = Decimal(parts[0]), standard_unit_spelling(parts[1])
     if not unit:
         raise UnitError(value, dimension, "has no unit")
     kind, above, below = _unit_factor(unit)
@@ -345,19 +356,6 @@ def number_advice(text: str, advice: str) -> str:
     return next((found for pattern, found in known if pattern.match(text)), advice)
 
 
-def _split_number_and_unit(value: str, dimension: str) -> tuple[Decimal, str]:
-    """Split a text into its number and its unit in standard spelling; raise UnitError unless it has a finite number."""
-    if has_comma_in_number(value):
-        raise UnitError(value, dimension, "has a comma in its number", COMMA)
-    parts = split_quantity_text(value)
-    if parts is None:
-        if re.match(r"[+-]?(nan|inf)", value.strip(), re.IGNORECASE):
-            advice = f"write a finite number, e.g. {example_quantity(dimension)}"
-            raise UnitError(value, dimension, "is not finite", advice)
-        raise UnitError(value, dimension, "does not begin with a plain number")
-    return Decimal(parts[0]), standard_unit_spelling(parts[1])
-
-
 def standard_unit_spelling(unit: str) -> str:
     """Return a unit in standard spelling: "u" for micro, "deg" for degrees, and products with a space.
 
@@ -388,30 +386,17 @@ def _unit_factor(unit: str) -> tuple[str, Decimal, Decimal]:
     for i, product in enumerate(re.split(r"\s*/\s*", unit)):
         for name in product.split() or [""]:
             match = _FACTOR.fullmatch(name)
-            found = match and _single_unit_factor(match[1])
+            found = match and (_PREFIXED.get(match[1]) or _PREFIXED.get(match[1].removesuffix("s")))
             if not match or not found:
                 return "", above, below
-            of, over, under = found
+            of, factor, tens = found
+            over, under = Decimal(factor.partition("/")[0]).scaleb(tens), Decimal(factor.partition("/")[2] or 1)
             power = int(match[2] or 1) * (-1 if i else 1)
             powers = tuple(p + power * q for p, q in zip(powers, _POWERS[of], strict=True))
             if power < 0:
                 over, under = under, over
             above, below = above * over ** abs(power), below * under ** abs(power)
     return next((of for of in DIMENSIONS if _POWERS.get(of) == powers), ""), above, below
-
-
-def _single_unit_factor(name: str) -> tuple[str, Decimal, Decimal] | None:
-    """Return the dimension of a single unit, and its conversion factor to SI units as numerator and denominator.
-
-    None is returned for an unknown unit. ``name``: name of the unit in standard spelling, with or without a prefix.
-    """
-    for whole in (name, name.removesuffix("s")):
-        for prefix, tens in PREFIXES.items():
-            if whole.startswith(prefix) and whole.removeprefix(prefix) in UNITS:
-                of, factor = UNITS[whole.removeprefix(prefix)]
-                above, _, below = factor.partition("/")
-                return of, Decimal(above).scaleb(tens), Decimal(below or 1)
-    return None
 
 
 def _nearest_unit_advice(unit: str, dimension: str) -> str:

@@ -25,6 +25,7 @@ from rollbench.hifi.elements.rigid import rigid_motion_transfer_along_z
 from rollbench.hifi.shaft.beam import ShaftSupports, beam_stiffness, round_section
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Thrust
+from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout, lead_angle, nominal_groove_radii
@@ -207,6 +208,7 @@ class _EstimatedNut:
 
 
 @lru_cache(maxsize=64)
+@cached_on_disk(ExpectedContacts)
 def estimate_contacts_of_scene(scene: Scene) -> ExpectedContacts:
     """Estimate the contact loads and ellipses of a ball screw or bearing, to size its meshes.
 
@@ -230,6 +232,7 @@ def estimate_contacts_of_scene(scene: Scene) -> ExpectedContacts:
 
 
 @lru_cache(maxsize=64)
+@cached_on_disk(tuple)
 def estimate_contacts_of_each_set(assembly: Assembly) -> tuple[ExpectedContacts, ...]:
     """Estimate the contact loads and ellipses of each nut or bearing on a shaft, to size its meshes.
 

@@ -20,7 +20,8 @@ from scipy.optimize import root
 
 from rollbench.lowfi.friction.contact import laws
 from rollbench.lowfi.friction.contact.equilibrium import HYBRID
-from rollbench.lowfi.friction.linear.bearing import MOVING, LinearBearing, contact_directions, contact_semi_axes
+from rollbench.lowfi.friction.linear.bearing import LinearBearing
+from rollbench.lowfi.friction.linear.chain import prepare_linear_chain
 from rollbench.meshes.arrays import Array, Index, Mask
 
 #: Outcome of a search by Lin's method, see `BallMotionsByLin.status`.
@@ -359,35 +360,24 @@ def solve_motions_of_balls_by_root(
     return BallMotionsByLin(q, free, force, balanced.groove_loss, balanced.ball_loss, left, calls, status)
 
 
-def ball_to_ball_contact_of_linear_bearing(bearing: LinearBearing) -> BallToBallContact:
-    """Return kinematics and friction of touching balls of a linear bearing, by equations 3.26 to 3.29 of Lin's thesis.
-
-    The unknowns of a ball are its speed v along the track [m/s] and its angular speeds omega_x and omega_y about the
-    two axes across the track [rad/s].
-    """
-    r, v = bearing.ball_radius, bearing.speed
-    turns = np.array([[0.0, 0.0, r], [0.0, -r, 0.0]])
-    nominal = np.array([0.5 * v, 0.5 * v / (r * np.cos(bearing.contact_angle)), 0.0])
-    return BallToBallContact(turns, -turns, 1.0, bearing.mu_balls, np.array([1.0, r, r]), nominal)
+#: Unknowns of a ball of a linear bearing in Lin's thesis, among the four of `StraightTrack`: its speed v along the track
+#: [m/s] and its angular speeds omega_x and omega_y about the two axes across the track [rad/s].
+ACROSS = [0, 3, 1]
 
 
 def balls_of_linear_bearing(bearing: LinearBearing, angles: Array, loads: Array) -> LoadedBalls:
-    """Return N balls of a linear bearing with the kinematics of their contacts, by equations 3.22 to 3.24 of Lin's thesis.
+    """Return N balls of a linear bearing with the kinematics of their contacts, by equations 3.22 to 3.29 of Lin's thesis.
 
     ``bearing``: the bearing with its speed; ``angles``: contact angles ``(N, 4)`` [rad]; ``loads``: normal loads ``(N, 4)``
     [N], both in the order BL, BR, TR, TL (bottom or top, left or right). Raises ValueError if a load is negative.
     """
-    angles, loads = np.atleast_2d(np.asarray(angles, dtype=float)), np.atleast_2d(np.asarray(loads, dtype=float))
-    r, n = bearing.ball_radius, contact_directions(angles)
-    a, b = contact_semi_axes(bearing, np.maximum(loads, max(1e-9 * float(loads.max()), 1e-30)))
-    at = laws.contacts_from_values(a.ravel(), b.ravel(), loads.ravel(), bearing.mu)
-    maps = np.zeros((*loads.shape, 3, 3))
-    maps[..., 1, 0] = 1.0
-    maps[..., 1, 1], maps[..., 1, 2] = r * n[..., 1], -r * n[..., 0]
-    maps[..., 2, 1], maps[..., 2, 2] = n[..., 0], n[..., 1]
-    drives = np.zeros((*loads.shape, 3))
-    drives[..., 1] = -MOVING * bearing.speed
-    return LoadedBalls(at, maps, drives, ball_to_ball_contact_of_linear_bearing(bearing))
+    chain = prepare_linear_chain(bearing, angles, loads)
+    track, rubs = chain.groove, chain.friction_contacts
+    first, second = track.pair.first_ball_surface_speeds[:, ACROSS], track.pair.second_ball_surface_speeds[:, ACROSS]
+    units, nominal = track.levers[ACROSS], track.nominal_motion[ACROSS]
+    between = BallToBallContact(first, second, track.pair.closing_speed_factor, bearing.mu_balls, units, nominal)
+    at = laws.contacts_from_values(rubs.a.ravel(), rubs.b.ravel(), chain.force.ravel(), bearing.mu)
+    return LoadedBalls(at, rubs.maps[..., ACROSS], rubs.drives, between)
 
 
 def linear_bearing_friction_law(bearing: LinearBearing, sharpness: float | None = SHARPNESS) -> laws.FrictionLaw:

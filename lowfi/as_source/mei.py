@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solveh_banded
 
 from rollbench.lowfi.hertz import contact_approach, contact_force, contact_stiffness_at_approach
 from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice, scene_with_error_free_hertz
@@ -43,7 +42,7 @@ class _AxialBarModel:
 
     #: Axial positions of the nodes of the bars [m].
     nodes: Array
-    #: Lower band of the bars' stiffness matrix [N/m], ``(bandwidth + 1, unknowns)``.
+    #: Stiffness matrix of the bars ``(unknowns, unknowns)`` [N/m].
     K: Array
     #: Axial load [N] on the node of each unknown motion.
     load: Array
@@ -72,13 +71,13 @@ def nut_tensile_stiffness(scene: Scene) -> float:
     return tube_section(scene.nut.outer_diameter, bore, scene.nut.material).EA
 
 
-def _add_bar_stiffness(band: Array, unknowns: NDArray[np.int64], stations: Array, stiffness: float) -> None:
+def _add_bar_stiffness(K: Array, unknowns: NDArray[np.int64], stations: Array, stiffness: float) -> None:
     """Add the tensile stiffness of a row of bars to a stiffness matrix, which is changed in place.
 
     Parameters
     ----------
-    band
-        Lower band of the stiffness matrix [N/m], changed in place.
+    K
+        Stiffness matrix [N/m], changed in place.
     unknowns
         Indices of the unknown axial motions at the ends of the bars, in ascending order.
     stations
@@ -87,9 +86,8 @@ def _add_bar_stiffness(band: Array, unknowns: NDArray[np.int64], stations: Array
         Tensile stiffness E A of the bars [N].
     """
     a, b, s = unknowns[:-1], unknowns[1:], stiffness / np.diff(stations)
-    np.add.at(band[0], a, s)
-    np.add.at(band[0], b, s)
-    np.subtract.at(band, (b - a, a), s)
+    for row, column, sign in ((a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)):
+        K[row, column] += sign * s
 
 
 def _build_bar_model(scene: Scene, layout: BallLayout, closure: Array, C: Array, *, elastic_nut: bool) -> _AxialBarModel:
@@ -106,7 +104,7 @@ def _build_bar_model(scene: Scene, layout: BallLayout, closure: Array, C: Array,
     width = 2 if elastic_nut else 1
     # unknown width * j is the motion of screw node j; the next one is the nut's motion at the same axial position
     total = width * n + elastic_nut
-    k = np.zeros((width + 2, total))
+    k = np.zeros((total, total))
     order = width * np.arange(n, dtype=np.int64)
     if n > 1:
         _add_bar_stiffness(k, order, nodes, screw_section(scene).EA)
@@ -124,7 +122,7 @@ def _build_bar_model(scene: Scene, layout: BallLayout, closure: Array, C: Array,
         area = nut_tensile_stiffness(scene)
         members = order[inside] + 1
         _add_bar_stiffness(k, members, nodes[inside], area)
-        k[0, members[0]] += area / max(float(nodes[inside[0]] - face), 1e-6)
+        k[members[0], members[0]] += area / max(float(nodes[inside[0]] - face), 1e-6)
         unused = np.setdiff1d(np.arange(total), np.concatenate([order, members]))
         fixed[unused] = True
         nut = screw + 1
@@ -164,13 +162,7 @@ def _unbalanced_and_contact_forces(chain: _AxialBarModel, x: Array) -> tuple[Arr
     """
     force, tangent = _contact_forces_and_stiffness(chain, x)
     axial = chain.approach_per_axial_motion * (force[:, 0] - force[:, 1])
-    g = -chain.load.copy()
-    for offset, row in enumerate(chain.K):
-        if offset == 0:
-            g += row * x
-        else:
-            g[offset:] += row[:-offset] * x[:-offset]
-            g[:-offset] += row[:-offset] * x[offset:]
+    g = chain.K @ x - chain.load
     np.add.at(g, chain.screw, axial)
     if chain.nut[0] >= 0:
         np.add.at(g, chain.nut, -axial)
@@ -196,18 +188,14 @@ def _minimise_by_newton(chain: _AxialBarModel) -> tuple[Array, int, float]:
         if residual <= 1e-12:
             break
         h = chain.K.copy()
-        np.add.at(h[0], chain.screw, stiffness)
+        pairs = [(chain.screw, chain.screw, 1.0)]
         if chain.nut[0] >= 0:
-            np.add.at(h[0], chain.nut, stiffness)
-            np.add.at(h[1], chain.screw, -stiffness)
-        h[0] += 1e-9 * min(1.0, residual) * float(h[0].max())
-        for j in np.flatnonzero(chain.fixed):
-            for offset in range(1, h.shape[0]):
-                h[offset, j] = 0.0
-                if j >= offset:
-                    h[offset, j - offset] = 0.0
-            h[0, j] = 1.0
-        step = solveh_banded(h, np.where(free, -g, 0.0), lower=True)
+            pairs += [(chain.nut, chain.nut, 1.0), (chain.screw, chain.nut, -1.0), (chain.nut, chain.screw, -1.0)]
+        for row, column, sign in pairs:
+            np.add.at(h, (row, column), sign * stiffness)
+        h += 1e-9 * min(1.0, residual) * float(h.diagonal().max()) * np.eye(len(h))
+        step = np.zeros_like(x)
+        step[free] = np.linalg.solve(h[np.ix_(free, free)], -g[free])
         slope = float(g @ step)
         t = 1.0
         for _ in range(40):

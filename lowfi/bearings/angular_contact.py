@@ -22,7 +22,6 @@ import numpy as np
 
 from rollbench.lowfi import hertz
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.numerics import brentq
 
 #: Range of conformities (groove radius over ball diameter) in which `conformity_from_pair_rigidity` searches.
 CONFORMITIES = (0.503, 0.65)
@@ -380,17 +379,8 @@ def displacement_under_thrust(bearing: BallBearing, load: float) -> float:
         raise ValueError(f"thrust on a row of balls: got {load:g} N; allowed: at least 0 N, it carries one direction only")
     if load == 0.0:
         return 0.0
-    high = 1e-9 * bearing.ball_diameter
-    while float(bearing_state_at_displacement(bearing, high).thrust) < load:
-        high *= 4.0
-        if high > bearing.ball_diameter:
-            raise ValueError(TOO_LARGE.format(load))
-
-    def thrust_above_given(u: float) -> float:
-        """Return the thrust at a displacement u [m] of the inner ring less the required thrust [N]."""
-        return float(bearing_state_at_displacement(bearing, u).thrust) - load
-
-    return float(brentq(thrust_above_given, 0.0, high, xtol=1e-22, rtol=8.9e-16))
+    state = bearing_states_under_thrust(bearing, np.array(load))
+    return float(state.displacement + (load - state.thrust) / state.stiffness)
 
 
 def bearing_states_under_thrust(bearings: BallRows, load: Array) -> BallBearingThrustState:

@@ -184,7 +184,7 @@ def compliance_between_contacts(
 WholeBody = Callable[[Scene, BallLayout, bool, ComplianceModel, Sequence[int]], Array]
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=16)  # screws and nuts of eight sets on a shaft
 @cached_on_disk(StoredMotionMatrix)
 def _cached_compliance_between_contacts(scene: Scene, screw: bool, backend: ComplianceModel) -> StoredMotionMatrix:
     """Return the compliance between all contacts of screw or nut on both flanks, cached in memory and on disk.

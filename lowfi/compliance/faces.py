@@ -85,8 +85,11 @@ class GrooveAndFaceCompliance:
 
     @property
     def coupled_turns(self) -> int:
-        """Number of groove turns whose contacts are coupled: 1 (the same turn only) or 2 (also the neighbouring turn)."""
-        return int(self.far_gain.shape[2]) // 2
+        """Number of groove turns whose contacts are coupled: 1 (the same turn only) or 2 (also the neighbouring turn).
+
+        Each of the two arrays knows the turns that its own grid contains, and the lengths of the grids differ a little.
+        """
+        return int(min(self.far_gain.shape[2], self.face_gain.shape[4])) // 2
 
     def compliance_by_face(self, held: bool, angle: Array, distance: Array) -> Array:
         """Return the compliance ``(m, 2, 2, f, 2)`` [m/N] that an end face adds between m pairs of contacts.

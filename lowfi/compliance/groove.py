@@ -208,20 +208,6 @@ def patch_self_motion_harmonics(
     return np.asarray(values.mean(axis=1))
 
 
-def patch_self_motion(
-    flank: HalfGroove, grid: fourier.QuadrilateralGrid, load_cases: tuple[Array, Array], width: float
-) -> float:
-    """Return the motion of a Gaussian load patch on one groove flank by a unit load on the patch itself [m/N].
-
-    The Fourier harmonics of this motion around the axis (`patch_self_motion_harmonics`, which also explains ``load_cases``)
-    are summed up, each weighted by the extent of the patch along the circumference; ``width``: standard deviation of the
-    patch, along the flank and along the circumference [m].
-    """
-    n = sampled_harmonics(2.6 * flank.contact_position()[0] / width)
-    waves = interpolate_harmonics(n, patch_self_motion_harmonics(flank, grid, load_cases, n))
-    return float(waves @ gaussian_patch_harmonic_factors(np.arange(float(waves.size)), width, flank.contact_position()[0]))
-
-
 def symmetric_and_antisymmetric_loads(
     flank: HalfGroove, grid: fourier.QuadrilateralGrid, width: float
 ) -> tuple[Array, Array]:

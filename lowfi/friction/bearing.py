@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -23,8 +22,7 @@ from rollbench.lowfi.friction.contact import equilibrium
 from rollbench.lowfi.friction.contact.laws import EllipticalContacts, SigmoidLaw, contacts_from_values
 from rollbench.lowfi.friction.contact.normal_force import BallContactArrays
 from rollbench.lowfi.friction.screw import motion as screw_motion
-from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, GrooveHertzConstants, ScrewGroove, section_axes
-from rollbench.lowfi.hertz import contact_modulus, hertz_constants
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove, section_axes
 from rollbench.meshes.arrays import Array, Index, Mask
 from rollbench.meshes.record_keys import frozen_default, frozen_record
 
@@ -49,23 +47,6 @@ class Bearing(ScrewGroove):
 
     #: Clearance of the ball along each contact normal [m], negative for an oversized ball.
     clearance: float = frozen_default(0.0)
-
-    @cached_property
-    def contact_hertz_constants(self) -> GrooveHertzConstants:
-        """Hertz constants of the four contacts of a ball at the nominal contact angle.
-
-        The radius of the groove along the ring is that of a helical groove at zero lead, (R_P - R_B cos beta)/cos beta on
-        the inner and (R_P + R_B cos beta)/cos beta on the outer ring, with pitch radius R_P, ball radius R_B and contact
-        angle beta. If ``hertz`` is "as printed", the constants are those of a screw.
-        """
-        if self.hertz != "right":
-            return super().contact_hertz_constants
-        cos, ball = np.cos(self.contact_angle), 1.0 / self.ball_radius
-        inner, outer = (self.pitch_radius + s * self.ball_radius * cos for s in (-1.0, 1.0))
-        modulus = contact_modulus(self.young, self.poisson, self.young, self.poisson)
-        across, along = np.full(2, ball - 1.0 / self.groove_radius), np.array([ball + cos / inner, ball - cos / outer])
-        h = hertz_constants(across, along, modulus)
-        return GrooveHertzConstants(*(np.repeat(values, 2) for values in (h.C, h.C_a, h.C_b)))
 
 
 @dataclass(frozen=True)
@@ -122,7 +103,7 @@ def contact_loads_of_ball(
     cell = BallContactArrays(
         groove_to_ball_vectors=bearing.groove_ball_centre_distance * normals[None],
         interference=np.full((1, 4), -bearing.clearance),
-        C=np.ascontiguousarray(bearing.contact_hertz_constants.C),
+        C=bearing.contact_hertz_constants.C,
         inner_displacement_maps=np.array([[[1.0], [0.0]]]),
         given_inner_displacement=np.array([[0.0, radial_displacement]]),
         ball_forces=np.zeros((1, 2)),
@@ -332,21 +313,39 @@ class BearingCase:
 
 
 @dataclass(frozen=True)
-class BearingState:
-    """Contact loads and friction of a bearing under one force on its inner ring. Arrays list all N balls, row after row."""
+class BearingStates:
+    """Contact loads and friction of a bearing at n angles of the force on its inner ring (Figure 4.7 of Lin's thesis).
 
-    #: Contact loads and contact angles of the balls, with the displacements of balls and inner ring.
-    load: equilibrium.ContactLoadSolution
-    #: Friction losses at the contacts ``(N, 4)`` [W].
+    Arrays list all N balls, row after row.
+    """
+
+    #: Angles of the force from the bearing's axis ``(n,)`` [rad].
+    angle: Array
+    #: Contact loads and contact angles of the balls, with the displacements of balls and inner ring, at each angle.
+    load: list[equilibrium.ContactLoadSolution]
+    #: Friction losses at the contacts ``(n, N, 4)`` [W].
     loss: Array
-    #: Friction torque on the inner ring [N m]: the power lost, divided by the angular speed of this ring.
-    torque: float
-    #: Number of loaded contacts of each ball ``(N,)``.
-    loaded_contact_counts: Index
-    #: Power that drives the inner ring [W].
-    input_power: float
-    #: Whether the loads and the motions of all balls converged.
-    converged: bool
+    #: Friction torque on the inner ring ``(n,)`` [N m]: the power lost, divided by the angular speed of this ring.
+    torque: Array
+    #: Power that drives the inner ring ``(n,)`` [W].
+    input_power: Array
+    #: Whether the loads and the motions of all balls converged ``(n,)``.
+    converged: Mask
+
+    @property
+    def force(self) -> Array:
+        """Contact forces of all balls at each angle ``(n, N, 4)`` [N]."""
+        return np.array([load.force for load in self.load])
+
+    @property
+    def balls_beyond_two_contacts(self) -> Index:
+        """Number of balls with more than two loaded contacts at each angle of the force ``(n,)``."""
+        return np.asarray(((self.force > 0.0).sum(axis=2) > 2).sum(axis=1))
+
+    @property
+    def largest_over_smallest_torque(self) -> float:
+        """Ratio of the largest to the smallest friction torque over all angles of the force."""
+        return float(self.torque.max() / self.torque.min())
 
 
 def inner_ring_displacement_maps(case: BearingCase) -> Array:
@@ -409,32 +408,8 @@ def describe_unresisted_motion(case: BearingCase, force_angle: float) -> str:
     return f"rigid motion of the inner ring in {', '.join(parts)}"
 
 
-def solve_bearing(case: BearingCase, force_angle: float) -> BearingState:
-    """Return contact loads and friction of a bearing under a force at one angle; see `solve_bearing_over_force_angles`."""
-    return solve_bearing_over_force_angles(case, np.array([force_angle]))[0]
-
-
-@dataclass(frozen=True)
-class BearingTorqueCurve:
-    """Friction torque of a bearing at several angles of the force on its inner ring (Figure 4.7 of Lin's thesis)."""
-
-    #: Angles of the force from the bearing's axis ``(n,)`` [rad].
-    angle: Array
-    #: Friction torque on the inner ring at each angle of the force ``(n,)`` [N m].
-    torque: Array
-    #: Number of balls with more than two loaded contacts at each angle of the force ``(n,)``.
-    balls_beyond_two_contacts: Index
-    #: Whether contact loads and ball motions converged at each angle of the force ``(n,)``.
-    converged: Mask
-
-    @property
-    def largest_over_smallest_torque(self) -> float:
-        """Ratio of the largest to the smallest friction torque over all angles of the force."""
-        return float(self.torque.max() / self.torque.min())
-
-
-def solve_bearing_over_force_angles(case: BearingCase, force_angles: Array) -> list[BearingState]:
-    """Return contact loads, friction losses and torque of a bearing at several angles of the force on its inner ring.
+def solve_bearing(case: BearingCase, force_angles: Array | float) -> BearingStates:
+    """Return contact loads, friction losses and torque of a bearing at one or several angles of the force on it.
 
     The search for the loads at each angle starts from those at the angle before; all balls are then moved together.
 
@@ -449,41 +424,18 @@ def solve_bearing_over_force_angles(case: BearingCase, force_angles: Array) -> l
     ----------
     Lin (2019), 4.3.1.
     """
-    loads: list[equilibrium.ContactLoadSolution] = []
-    for angle in force_angles:
+    angles, loads = np.atleast_1d(np.asarray(force_angles, dtype=float)), list[equilibrium.ContactLoadSolution]()
+    for angle in angles:
         cell = bearing_geometry_and_load(case, float(angle))
         loads.append(screw_motion.solve_screw_contact_loads(cell, loads[-1].displacements if loads else None))
-    pressed = [load.force.sum(axis=1) > 0.0 for load in loads]
-    force, contact_angle = (
-        np.concatenate([values[on] for values, on in zip(of_loads, pressed, strict=True)])
-        for of_loads in ([load.force for load in loads], [load.angle for load in loads])
-    )
-    moved, states = iter(screw_motion.solve_ball_motions(case.groove, force, contact_angle)), []
-    for load, on in zip(loads, pressed, strict=True):
-        balls, loss = [next(moved) for _ in range(int(on.sum()))], np.zeros_like(load.force)
-        for k, ball in zip(np.flatnonzero(on), balls, strict=True):
-            loss[k] = ball.motion.friction.loss
-        power = sum(ball.input_power for ball in balls)
-        good = load.converged and all(ball.motion.status != "failed" for ball in balls)
-        torque = float(loss.sum()) / abs(case.groove.speed)
-        states.append(BearingState(load, loss, torque, np.sum(load.force > 0.0, axis=1), power, good))
-    return states
-
-
-def bearing_torque_over_force_angles(case: BearingCase, force_angles: Array) -> BearingTorqueCurve:
-    """Return the friction torque of a bearing at several angles of the force from its axis (Figure 4.7 of Lin's thesis).
-
-    Parameters
-    ----------
-    case
-        Bearing under a force.
-    force_angles
-        Angles of the force from the axis, ``(n,)`` [rad].
-    """
-    states = solve_bearing_over_force_angles(case, force_angles)
-    return BearingTorqueCurve(
-        angle=np.asarray(force_angles, dtype=float),
-        torque=np.array([s.torque for s in states]),
-        balls_beyond_two_contacts=np.array([int(np.sum(s.loaded_contact_counts > 2)) for s in states]),
-        converged=np.array([s.converged for s in states]),
-    )
+    force, contact_angle = np.array([load.force for load in loads]), np.array([load.angle for load in loads])
+    pressed = force.sum(axis=2) > 0.0
+    moved = screw_motion.solve_ball_motions(case.groove, force[pressed], contact_angle[pressed])
+    loss, power, good = np.zeros_like(force), np.zeros(pressed.shape), np.ones(pressed.shape, dtype=bool)
+    if moved:
+        loss[pressed] = [ball.motion.friction.loss for ball in moved]
+        power[pressed] = [ball.input_power for ball in moved]
+        good[pressed] = [ball.motion.status != "failed" for ball in moved]
+    converged = np.array([load.converged for load in loads]) & good.all(axis=1)
+    torque = loss.sum(axis=(1, 2)) / abs(case.groove.speed)
+    return BearingStates(angles, loads, loss, torque, power.sum(axis=1), converged)

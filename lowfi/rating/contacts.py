@@ -422,6 +422,7 @@ def roller_contact_of_highest_pressure(
     force, highest = float(line_loads[i].mean()) * row.length, float(pressure[i, k, race])
     factor = (ROLLER_DENT_PRESSURE / highest) ** 2
     by_maker = None if maker_over_computed is None else factor * maker_over_computed
+    _, uniform = rollers.half_widths_and_pressures_of_slices(bearing, np.array([force / row.length]))
     return RollerContact(
         element=i + 1,
         side=RACES[race],
@@ -431,7 +432,7 @@ def roller_contact_of_highest_pressure(
         half_width=float(half_width[i, k, race]),
         pressure=highest,
         other_race_pressure=float(pressure[i, :, 1 - race].max()),
-        uniform_load_pressure=float(rollers.roller_line_contacts(bearing, force).pressures[race]),
+        uniform_load_pressure=float(uniform[0, race]),
         static_safety=StaticSafety(factor, ROLLER_DENT_PRESSURE, by_maker=by_maker),
     )
 

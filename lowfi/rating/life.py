@@ -492,28 +492,30 @@ def by_maker(parts: Scene | RollerRow, rating: float, revolutions: float, expone
     return None if given is None else revolutions * (given / rating) ** exponent
 
 
-def damage_equivalent_contact_loads(loads: Sequence[Array], shares: Sequence[float]) -> Array:
-    """Return the contact loads that cause the same fatigue damage as several load cases together.
+def damage_equivalent_loads(loads: Sequence[Array], shares: Sequence[float], order: float = TURNING) -> Array:
+    """Return the loads that cause the same fatigue damage as several load cases together.
 
-    Each load is the mean of order 3 over the load cases, weighted by the revolutions, F = (sum_j n_j F_j^3)^(1/3).
+    Each load is a mean over the load cases, weighted by the revolutions, F = (sum_j n_j F_j^3)^(1/3) for balls.
 
     Parameters
     ----------
     loads
-        Contact forces of each case, ``(n, 4)`` [N].
+        Contact forces of each case, ``(n, 4)`` [N], or loads per length of the slices of rollers [N/m].
     shares
         Fractions of the revolutions in each case, with the sum 1; cases with a fraction of zero are ignored.
+    order
+        Order of the mean: 3 for balls, 4 for rollers.
 
     Returns
     -------
     Array
-        Contact forces ``(n, 4)`` [N], for which `basic_rating_life` gives the life over all cases.
+        Loads of the same shape, which give the life over all cases (`basic_rating_life`).
     """
     used = [(load, share) for load, share in zip(loads, shares, strict=True) if share > 0.0]
     if len(used) == 1:
         return used[0][0]
-    top = max(float(load.max()) for load, _ in used) or 1.0  # forces over the largest: no overflow
-    return np.asarray(top * np.cbrt(sum(share * (load / top) ** TURNING for load, share in used)))
+    top = max(float(load.max(initial=0.0)) for load, _ in used) or 1.0  # loads over the largest: no overflow
+    return np.asarray(top * sum(share * (load / top) ** order for load, share in used) ** (1.0 / order))
 
 
 def name_life_standard(scene: Scene, *, by_loads: bool = False) -> str:
@@ -603,7 +605,7 @@ def life_by_equivalent_loads(
         rated: tuple[float, ...] = (dynamic_rating(scenes[0]),)
     else:
         cases, rated = forces_on_nut_halves(np.array([F[2] for _, _, F in used]), preload), _ratings_by_direction(scenes[0])
-    loads = tuple(cubic_mean_force(n, force) for force in cases)
+    loads = tuple(mean_force(n, force) for force in cases)
     wear = sum((F / C) ** (10.0 / 3.0) for F, C in zip(loads, rated, strict=True))
     return EquivalentLoadLife(float(wear**-0.9), loads, standard) if wear > 0.0 else None
 
@@ -685,8 +687,8 @@ def forces_on_nut_halves(force: Array, preload: float) -> tuple[Array, Array]:
     return np.where(force >= 0.0, loaded, other), np.where(force >= 0.0, other, loaded)
 
 
-def cubic_mean_force(shares: Array, force: Array) -> float:
-    """Return the mean force of order 3 over the revolutions, F_m = (sum_j n_j F_j^3)^(1/3) [N].
+def mean_force(shares: Array, force: Array, order: float = TURNING) -> float:
+    """Return the mean force over the revolutions [N], by default of order 3, F_m = (sum_j n_j F_j^3)^(1/3).
 
     Parameters
     ----------
@@ -694,14 +696,16 @@ def cubic_mean_force(shares: Array, force: Array) -> float:
         Fractions n_j of the revolutions ``(n,)``.
     force
         Forces F_j ``(n,)`` [N], not negative.
+    order
+        Order of the mean.
 
     Examples
     --------
-    >>> round(cubic_mean_force(np.array([0.5, 0.3, 0.2]), np.array([1e3, 2e3, 4e3])), 1)
+    >>> round(mean_force(np.array([0.5, 0.3, 0.2]), np.array([1e3, 2e3, 4e3])), 1)
     2504.0
     """
     top = float(force.max(initial=0.0))
-    return 0.0 if top == 0.0 else top * float(shares @ (force / top) ** TURNING) ** (1.0 / TURNING)
+    return 0.0 if top == 0.0 else top * float(shares @ (force / top) ** order) ** (1.0 / order)
 
 
 def _ratings_by_direction(scene: Scene) -> tuple[float, float]:

@@ -36,7 +36,7 @@ import numpy as np
 
 from rollbench.lowfi.hertz import contact_modulus
 from rollbench.lowfi.rating.contacts import STRIBECK, Ratings
-from rollbench.lowfi.rating.life import RADIAL_UP_TO, Life, by_maker
+from rollbench.lowfi.rating.life import RADIAL_UP_TO, Life, by_maker, mean_force
 from rollbench.lowfi.rollers import tapered_bearing_of_row
 from rollbench.lowfi.statics.validity import ROLLER_DENT_PRESSURE
 from rollbench.meshes.arrays import Array
@@ -141,28 +141,6 @@ def dynamic_and_static_ratings_of_row(row: RollerRow) -> Ratings:
     )
 
 
-def damage_equivalent_line_loads(line_loads: Sequence[Array], shares: Sequence[float]) -> Array:
-    """Return the line loads on rollers that cause the same fatigue damage as several load cases together.
-
-    Each line load is the mean of order 4 of the load cases' line loads, weighted by the revolutions.
-
-    Parameters
-    ----------
-    line_loads
-        Loads per length of each roller's slices, for each load case ``(count, slices)`` [N/m].
-    shares
-        Fractions of the revolutions in each case, with the sum 1.
-
-    Returns
-    -------
-    Array
-        Means of order 4 ``(count, slices)`` [N/m]; their life L10r is that over all cases.
-    """
-    top = max(float(q.max(initial=0.0)) for q in line_loads) or 1.0
-    sums = sum(share * (q / top) ** TURNING for q, share in zip(line_loads, shares, strict=True))
-    return np.asarray(top * sums ** (1.0 / TURNING))
-
-
 def equivalent_load_of_row(row: RollerRow, radial: float, axial: float) -> float:
     """Return the dynamic equivalent load P of a row of tapered rollers under radial and axial force (ISO 281).
 
@@ -212,9 +190,8 @@ def life_of_row_by_equivalent_loads(row: RollerRow, shares: Sequence[float], for
         without load.
     """
     loads = np.array([equivalent_load_of_row(row, hypot(F[0], F[1]), abs(float(F[2]))) for F in forces])
-    top, C = float(loads.max()), dynamic_rating_of_row(row)
-    if top <= 0.0:
+    mean, C = mean_force(np.asarray(shares), loads, EXPONENT), dynamic_rating_of_row(row)
+    if mean <= 0.0:
         return None
-    mean = top * float(np.asarray(shares) @ (loads / top) ** EXPONENT) ** (1.0 / EXPONENT)
     found, standard = (C / mean) ** EXPONENT, dynamic_and_static_ratings_of_row(row).dynamic_standard
     return Life(found, {}, C, mean, standard, revolutions_by_maker=by_maker(row, C, found, EXPONENT))

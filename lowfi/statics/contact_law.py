@@ -6,15 +6,13 @@ import numpy as np
 
 from rollbench.lowfi.statics.problem import SIGNS
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.surface import angle_of_profile
 
 #: Relative size of a Newton step for one unknown after which the iteration ends: as each step squares the error, the result
 #: is then exact to round-off.
 SETTLED = 1e-9
 #: Largest number of such steps.
 STEPS = 60
-#: Contact angles [rad] at which the polynomial of a profile error, which is not periodic, ends with a jump: opposite the
-#: middle of the flank, far from any contact with the groove.
-ENDS = (-0.75 * np.pi, 1.25 * np.pi)
 
 
 def contact_law(approach: Array, C: Array, e: Array, h: Array) -> tuple[Array, Array, Array]:
@@ -136,8 +134,9 @@ def approach_to_profiles(
 
     The flank is the curve rho(gamma) (s_x cos gamma, s_z sin gamma) around the groove's centre, with the signs s of the
     contact direction. rho is ``groove_radius`` minus a polynomial of the contact angle gamma (equations 2.3 and 2.27 of
-    Lin's thesis). The approach is r - d, with the ball's radius r and the signed distance d of its centre from the flank.
-    The curvature term is 1/(R_c - d) with the radius of curvature R_c of the flank, or zero if the centre lies beyond the
+    Lin's thesis); far from the flank it is continued, see `meshes.surface.angle_of_profile`. The approach is r - d, with
+    the ball's radius r and the signed distance d of its centre from the flank. The curvature term is 1/(R_c - d) with the
+    radius of curvature R_c of the flank, or zero if the centre lies beyond the
     centre of curvature; with the normal m and the tangent t, m and this term times t t^T are the derivatives of the
     approach by the ball's position.
 
@@ -152,9 +151,8 @@ def approach_to_profiles(
     """
     u = SIGNS * (to_ball + moved)
     gamma, left = np.arctan2(u[..., 1], u[..., 0]), np.ones(u.shape[:-1], dtype=bool)
-    gamma = np.where(gamma < ENDS[0], gamma + 2.0 * np.pi, gamma)
     for _ in range(30):  # (u - A(gamma)) . A'(gamma) = 0: the line from u meets the profile at a right angle (Lin 2.27)
-        rho, rho1, rho2 = _radius_with_derivatives(gamma, groove_radius, profile)
+        rho, rho1, rho2 = radius_with_derivatives(gamma, groove_radius, profile)
         c, s = np.cos(gamma), np.sin(gamma)
         along, across = u[..., 0] * c + u[..., 1] * s, -u[..., 0] * s + u[..., 1] * c
         f = (along - rho) * rho1 + across * rho
@@ -175,12 +173,13 @@ def approach_to_profiles(
     return ball_radius[..., None] - d, SIGNS * normal, np.where(reach > 0.0, 1.0 / np.where(reach > 0.0, reach, 1.0), 0.0)
 
 
-def _radius_with_derivatives(gamma: Array, radius: Array, profile: Array) -> tuple[Array, Array, Array]:
+def radius_with_derivatives(gamma: Array, radius: Array, profile: Array) -> tuple[Array, Array, Array]:
     """Return the radius rho ``(..., 4)`` [m] of flanks at the contact angles gamma [rad], and its first two derivatives."""
+    at, turn, bend = angle_of_profile(gamma)
     value, slope, half_bend = profile[..., -1] + np.zeros_like(gamma), np.zeros_like(gamma), np.zeros_like(gamma)
     for k in range(profile.shape[-1] - 2, -1, -1):  # Horner's scheme
-        half_bend, slope, value = half_bend * gamma + slope, slope * gamma + value, value * gamma + profile[..., k]
-    return radius - value, -slope, -2.0 * half_bend
+        half_bend, slope, value = half_bend * at + slope, slope * at + value, value * at + profile[..., k]
+    return radius - value, -slope * turn, -2.0 * half_bend * turn * turn - slope * bend
 
 
 def lengths(vectors: Array) -> Array:

@@ -30,6 +30,7 @@ from rollbench.lowfi.statics import shaft as statics_shaft
 from rollbench.lowfi.statics.equilibrium import (
     ADDED,
     CONVERGED,
+    ITERATIONS,
     RIGID,
     SOLVED,
     TOLERANCE,
@@ -38,6 +39,7 @@ from rollbench.lowfi.statics.equilibrium import (
     DenseBodies,
     FreeMotions,
     Outcome,
+    Solving,
     StaticSystem,
     evaluated,
     newton_step,
@@ -61,7 +63,12 @@ from rollbench.lowfi.statics.rolling_elements import (
     first_ball_centres,
     starting_springs,
 )
-from rollbench.lowfi.statics.selection import all_flank_motions_by_screw, solutions_clear_of_left_out_flanks, touched_flanks
+from rollbench.lowfi.statics.selection import (
+    all_flank_motions_by_screw,
+    place_unloaded_balls_clear,
+    solutions_clear_of_left_out_flanks,
+    touched_flanks,
+)
 from rollbench.lowfi.statics.settle import FORCE_SETTLED, ModelDescription, ResidualScale
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS, model_assumptions
 from rollbench.meshes.arrays import Array, Mask
@@ -174,7 +181,7 @@ class SingleNutEquations(settle.StaticEquations):
         """
         return only_flank_pair(self.problem)
 
-    def solve_by_newton(self, from_linear: bool = True) -> Outcome:
+    def solve_by_newton(self, from_linear: bool = True) -> Solving[Outcome]:
         """Solve the equilibrium by Newton's method with the present Hertz constants.
 
         Parameters
@@ -188,15 +195,16 @@ class SingleNutEquations(settle.StaticEquations):
             assert isinstance(balls, FlankPairs)
             balls.C[0] = self.problem.C[:, list(pair)].sum(axis=1)
         self.nodal_motion = None
-        outcome = super().solve_by_newton(from_linear)
+        outcome = yield from super().solve_by_newton(from_linear)
         slow = outcome.status != CONVERGED or outcome.iterations > MANY
         if slow and isinstance(self.system.bodies, BeamBodies) and len(self.problem.C) <= DENSE:
             self.system = replace(self.system, bodies=bodies_on_beam(self.problem, self.shaft, False))
-            outcome = super().solve_by_newton(from_linear)
+            outcome = yield from super().solve_by_newton(from_linear)
         if self.flank_compliance is None:
             self.nodal_motion = self.motion_of_nodes()
             largest = float(self.state.forces.largest[0])
-            if outcome.status == CONVERGED and largest > 0.0 and self.problem.rigid_motion_basis is None:
+            solved = outcome.status == CONVERGED or (outcome.status == ITERATIONS and outcome.residual <= SOLVED)
+            if solved and largest > 0.0 and self.problem.rigid_motion_basis is None:
                 self.let_contacts_follow_nodes(largest)
         return outcome
 
@@ -255,6 +263,8 @@ class SingleNutEquations(settle.StaticEquations):
         for s, sign in ((a, 1.0), (b, -1.0)):
             force[:, s], normal[:, s], tangential[:, s] = c.force[0, :, 0], sign * c.normal[0, :, 0], c.tangential[0, :, 0]
         centres = first_ball_centres(balls_of_problem(problem).one_by_one(), moved)  # it follows from both flanks' motions
+        if self.flank_compliance is None and not settle.has_profile_errors(problem):
+            centres = place_unloaded_balls_clear(problem, moved, centres, force)
         return (ContactState(problem, force, normal, tangential, centres, moved),)
 
     def at_forces_of_solution(self) -> Self:
@@ -311,7 +321,8 @@ class SingleNutEquations(settle.StaticEquations):
     def round_off_residual(self) -> float:
         """Return the relative residual that rounding errors leave, from the largest motion and the stiffest contact.
 
-        On rigid bodies the contacts at one node of the beam count together.
+        On rigid bodies the contacts at one node of the beam count together. In the balance of a screw that contacts hold,
+        the errors of all uneven flanks add up, as independent ones do, at their levers along the nut.
         """
         problem, v0 = self.problem, self.system.bodies.free.v0
         moved = float(np.abs(self.flank_motions()).max()) + float(np.abs(v0).max(initial=0.0))
@@ -319,6 +330,11 @@ class SingleNutEquations(settle.StaticEquations):
             on_screw = self.contact_states()[0].force[:, :2]
             each = contact_stiffness_under_force(on_screw, problem.C[:, :2])
             stiff = float(np.bincount(problem.first_nodes.ravel(), weights=each.ravel()).max(initial=0.0))
+            if settle.has_profile_errors(problem) and self.state.a.size:
+                lever = (
+                    float(np.abs(problem.layout.z - problem.scene.nut.position).max()) / problem.scene.track.pitch_radius
+                )
+                stiff = max(stiff, float(np.linalg.norm(each)) * max(1.0, lever))
         else:
             stiff = float(contact_stiffness_under_force(self.state.forces.contacts.force, problem.C.min()).max(initial=0.0))
         return settle.residual_by_round_off(moved, stiff, self.residual_force_scale, [problem])
@@ -399,7 +415,7 @@ def bodies_on_beam(problem: Problem, shaft: statics_shaft.ShaftBeam, sparse: boo
     free = FreeMotions(v0, R, shaft.work_on_free_motions[None])
     if sparse:
         return BeamBodies(free, *statics_shaft.sparse_beam(shaft, sides, v0.shape[2]))
-    G = statics_shaft.flank_compliance_and_free_motions(shaft, sides)[0][np.ix_(order, order)]
+    G = statics_shaft.flank_compliance(shaft, sides)[np.ix_(order, order)]
     if pair is not None:
         return DenseBodies(free, Compliances(G[None]))
     screw = response.compliance_of_both_flanks(G, problem.used_flanks[:2], N)

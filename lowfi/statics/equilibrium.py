@@ -19,9 +19,9 @@ that has ended leaves the iteration.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator, Hashable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -30,11 +30,13 @@ from rollbench.lowfi.statics.rolling_elements import (
     Ints,
     RollingElements,
     Stacked,
+    field_names,
     forces_of_elements,
     stiffness_factors,
 )
 from rollbench.meshes.arrays import Array, Mask
 
+T = TypeVar("T")
 #: Function from vectors ``(n, c)`` to their products with a matrix.
 Matrix = Callable[[Array], Array]
 #: How an iteration ended: converged, too many iterations, body moved without limit, stiffness not positive definite.
@@ -324,6 +326,11 @@ class Outcome(NamedTuple):
         return Outcome(*(x[member].item() for x in self))
 
 
+#: A computation that needs equilibria, one after the other: it yields the system of each, of one member, with its start
+#: (see `find_equilibrium`), and is sent the state and how the iteration ended. `solve_together` runs it.
+Solving = Generator[tuple[StaticSystem, tuple[Array, Array] | None], tuple[ForceState, Outcome], T]
+
+
 def state_at(system: StaticSystem, phi: Array, a: Array) -> ForceState:
     """Return the state with the forces ``phi`` on the flanks and the amplitudes ``a`` of the free motions."""
     elastic = system.bodies.motions_by_forces(phi)
@@ -455,9 +462,9 @@ def newton_step(system: StaticSystem, state: ForceState, added: Array) -> tuple[
 def state_on_springs(system: StaticSystem) -> tuple[Array, Array]:
     """Return first guesses of forces and free motions: the equilibrium with linear springs in place of the contacts.
 
-    The solution is scaled down such that no flank moves further from the opposite one than the limit; it is not scaled if
-    the loads without contact forces already move flanks further than that, as they do for a shaft that only the contacts
-    support. Zeros where the equations have no solution.
+    The solution is scaled down such that no flank moves further from the opposite one than the limit. Where the loads
+    without contact forces already move flanks further than that, as they do for a shaft that only the contacts support, ten
+    times this motion is the limit. Zeros where the equations have no solution.
     """
     bodies, limits, members = system.bodies, system.limits, len(system.limits.furthest)
     free = bodies.free
@@ -469,8 +476,10 @@ def state_on_springs(system: StaticSystem) -> tuple[Array, Array]:
     u, a, good = solve_forces(bodies, S, (S * v0[:, :, None]).sum(axis=(3, 4)), work, 1e-9 * limits.stiffness)
     phi = -(S * u[..., None, None]).sum(axis=2)
     v = v0 + bodies.motions_by_forces(phi) + free.motions(a)
-    far = (relative_motion(v) > limits.furthest) & (relative_motion(v0) <= limits.furthest)
-    shorter = np.where(far, limits.furthest / np.maximum(relative_motion(v - v0), limits.furthest), 1.0)
+    alone = relative_motion(v0)
+    furthest = np.where(alone <= limits.furthest, limits.furthest, 10.0 * alone)
+    far = relative_motion(v) > furthest
+    shorter = np.where(far, furthest / np.maximum(relative_motion(v - v0), furthest), 1.0)
     shorter = np.where(good, shorter, 0.0)
     return np.nan_to_num(phi) * shorter[:, None, None, None], np.nan_to_num(a) * shorter[:, None]
 
@@ -499,14 +508,56 @@ def find_equilibrium(system: StaticSystem, start: tuple[Array, Array] | None = N
 
 
 def stacked(records: Any) -> Any:
-    """Return records of consecutive members as one record."""
+    """Return records of consecutive members as one record; what is neither an array nor a record is equal in all."""
     first = records[0]
-    if first is None:
-        return None
     if isinstance(first, np.ndarray):
         return np.concatenate(records)
-    names = first.__dataclass_fields__
-    return type(first)(**{name: stacked([getattr(r, name) for r in records]) for name in names})
+    if not isinstance(first, Stacked):
+        return first
+    return type(first)(**{name: stacked([getattr(r, name) for r in records]) for name in field_names(first)})
+
+
+def solve_together(solvings: Sequence[Solving[T]]) -> list[T]:
+    """Return the results of several computations; equilibria of equal form that they need are found as members of one.
+
+    The result of a computation depends on the others by round-off only.
+    """
+    found: dict[int, T] = {}
+    answers: dict[int, Any] = dict.fromkeys(range(len(solvings)))
+    while answers:
+        alike: dict[Hashable, list[tuple[int, StaticSystem, tuple[Array, Array] | None]]] = {}
+        for k, answer in answers.items():
+            try:
+                system, start = solvings[k].send(answer)
+            except StopIteration as end:
+                found[k] = end.value
+            else:
+                alone = k if system.block == 1 else None
+                alike.setdefault((alone, start is None, _form(system)), []).append((k, system, start))
+        answers = {}
+        for members in alike.values():
+            size = members[0][1].block
+            for some in (members[first : first + size] for first in range(0, len(members), size)):
+                numbers, systems, starts = zip(*some, strict=True)
+                begin: Any = starts[0] and tuple(map(np.concatenate, zip(*starts, strict=True)))
+                state, outcome = find_equilibrium(systems[0] if len(systems) == 1 else stacked(systems), begin)
+                for i, k in enumerate(numbers):
+                    answers[k] = state.take(np.array([i])), outcome.of_member(i)
+    return [found[k] for k in range(len(solvings))]
+
+
+def solve_alone(solving: Solving[T]) -> T:
+    """Return the result of one computation that needs equilibria."""
+    return solve_together([solving])[0]
+
+
+def _form(record: Any) -> Hashable:
+    """Return the sizes of all arrays of a record, and its other values: records of equal form can be `stacked`."""
+    if isinstance(record, np.ndarray):
+        return tuple(record.shape)
+    if isinstance(record, Stacked):
+        return (type(record), *(_form(getattr(record, name)) for name in field_names(record)))
+    return record if isinstance(record, Hashable) else id(record)
 
 
 def _minimise(system: StaticSystem, state: ForceState) -> tuple[ForceState, Outcome]:

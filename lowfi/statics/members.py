@@ -35,6 +35,7 @@ from rollbench.lowfi.statics.equilibrium import (
     Limits,
     StaticSystem,
     find_equilibrium,
+    solve_alone,
     stacked,
 )
 from rollbench.lowfi.statics.problem import PlacedBalls, place_balls
@@ -178,9 +179,8 @@ class SpecimensOfScene:
         if key not in self._equations:
             self._equations[key] = None
             drawn = errors.draw_geometry_with_errors(self.scene, self.layout)
-            solved = static.solve_with_chosen_flanks(
-                StaticInput(self.scene, drawn, self.layout, used, backend=self.backend)
-            )
+            problem_input = StaticInput(self.scene, drawn, self.layout, used, backend=self.backend)
+            solved = solve_alone(static.solve_with_chosen_flanks(problem_input))
             if isinstance(solved, static.SolvedEquations) and solved.status == "converged":
                 flanks = solved.system.flank_compliance
                 if flanks is None or flanks.compliance_moved_to_bodies == 0.0:

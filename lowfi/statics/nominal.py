@@ -16,6 +16,7 @@ import numpy as np
 from rollbench.lowfi.compliance.bodies import WholeBody, compliance_between_contacts
 from rollbench.lowfi.compliance.parts import LADDER, ComplianceModel
 from rollbench.lowfi.statics import static
+from rollbench.lowfi.statics.equilibrium import solve_alone
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.arrays import Array
@@ -66,7 +67,7 @@ def contact_loads(
         Function that computes the compliance of one complete screw or nut between its contacts.
     """
     problem_input = static.static_input(scene, drawn, layout, backend=backend, compute_body_compliance=whole)
-    solved = static.solve_with_chosen_flanks(problem_input)
+    solved = solve_alone(static.solve_with_chosen_flanks(problem_input))
     if isinstance(solved, static.UnrestrainedProblem):
         C = solved.problem.C.copy()
         return ContactLoads(np.full(C.shape, np.nan), np.full(C.shape, np.nan), C, solved.status)

@@ -29,6 +29,7 @@ from rollbench.lowfi.statics.contacts import hertz_without_errors, oblique_press
 from rollbench.lowfi.statics.equilibrium import Compliances, DenseBodies, FreeMotions
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.cache import kept_by_content
 
 if TYPE_CHECKING:
     from rollbench.lowfi.compliance.bodies import CondensedCompliance
@@ -154,6 +155,12 @@ class ContactCompliance:
         whole = np.array_equal(lent, self.missing_compliance)
         mended, cut = self.with_missing_compliance if whole else self.with_added_compliance(lent)
         return mended, lent, cut
+
+
+@kept_by_content(4, lambda G, normals: (G, normals))
+def contact_compliance(G: Array, normals: Array) -> ContactCompliance:
+    """Return the compliance ``G`` between contacts with these ``normals``; equal ones share what follows from them."""
+    return ContactCompliance(G, normals)
 
 
 def condensed_compliance(G: Array, kept: NDArray[np.bool_]) -> Array:
@@ -317,13 +324,14 @@ def _compute_compliance(
         order = permutation_to_ball_by_ball_order(N, len(sides))
         compliance = body.G[np.ix_(order, order)]
         if screw:
-            beam, rigid = statics_shaft.flank_compliance_and_free_motions(shaft, sides)
+            beam = statics_shaft.flank_compliance(shaft, sides)
             stretch = statics_shaft.build_shaft_stretch(problem, scene, layout, backend, sides, slice(0, N))
             coupling = statics_shaft.couple_section_forces(shaft, sides, [stretch])
             if coupling is not None:
                 beam = beam + coupling.added_compliance
             compliance = compliance + beam[np.ix_(order, order)]
-            R[:, [s % 2 for s in sides]] = rigid[order].reshape(N, len(sides), 2, -1)
+            rigid = statics_shaft.flank_motions_by_free_motions(shaft, sides)[order]
+            R[:, [s % 2 for s in sides]] = rigid.reshape(N, len(sides), 2, -1)
         if condensed is not None:
             for s in condensed.flanks_covered_by_file(sides):
                 (e[s], h[s]), slope[s] = condensed.file_contents.fit_local_approach_over_load(s), 0.0
@@ -345,6 +353,8 @@ def clear_compliance_caches() -> None:
     """Clear all caches of compliance, so that a timed solve that follows computes it again."""
     forget_bodies()
     cached_compliance.cache_clear()
+    contact_compliance.cache_clear()
+    statics_shaft.forget_beams()
 
 
 #: Largest number of balls with elastic bodies. As the compliance matrix between all contacts is dense, memory grows as the

@@ -45,17 +45,21 @@ class Stacked:
     def take(self, members: Ints) -> Self:
         """Return a record with the given members only."""
         record: Any = self
-        return replace(record, **{x.name: _taken(getattr(self, x.name), members) for x in fields(record)})  # type: ignore[no-any-return]
+        return replace(record, **{name: _taken(getattr(self, name), members) for name in field_names(self)})  # type: ignore[no-any-return]
 
     def put(self, members: Ints, other: Self) -> None:
         """Overwrite the given members by those of another record, none of whose arrays is shared."""
-        record: Any = self
-        for x in fields(record):
-            mine, new = getattr(self, x.name), getattr(other, x.name)
+        for name in field_names(self):
+            mine, new = getattr(self, name), getattr(other, name)
             if isinstance(mine, Stacked):
                 mine.put(members, new)
             elif mine is not None:
                 mine[members] = new
+
+
+def field_names(record: Any) -> list[str]:
+    """Return the names of the fields of a record."""
+    return [x.name for x in fields(record)]
 
 
 def _taken(value: Any, members: Ints) -> Any:
@@ -412,7 +416,8 @@ def ball_equilibrium(balls: Balls, shift: Array, unloaded: Array) -> tuple[Array
             at = x[i] + t[some, None] * step[some]
             new, stored = ball_contacts(balls.take(i) if len(x) > 1 else balls, at, shift[i])
             gain = t[some] * slope[some]
-            fine = (stored <= energy[i] + 1e-4 * gain) | (np.abs(gain) <= 1e-13 * energy[i])
+            rounding = 1e-13 * energy[i] + shortest[i] * contacts.force[i].sum(axis=1)
+            fine = (stored <= energy[i] + 1e-4 * gain) | (np.abs(gain) <= rounding)
             j, kept = i[fine], np.flatnonzero(fine)
             x[j], energy[j], lower[some[fine]] = at[fine], stored[fine], True
             contacts.put(j, new.take(kept) if len(i) > 1 else new) if j.size else None

@@ -23,6 +23,9 @@ from rollbench.meshes.one_arc import flanks_of_single_arc_contacts, has_single_a
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.meshes.section import MERGE, contact_force_positions
 
+#: Share of the largest contact force up to which a ball between all four flanks does not touch them.
+LEAST = 1e-9
+
 
 def flanks_of_scene(scene: Scene) -> Mask:
     """Return which of the four flanks (screw left, screw right, nut left, nut right) a scene has, as booleans ``(4,)``.
@@ -194,6 +197,45 @@ def solutions_clear_of_left_out_flanks(
     return np.asarray((gap >= margin).all(axis=1))
 
 
+def place_unloaded_balls_clear(problem: Problem, shift: Array, centres: Array, force: Array) -> Array:
+    """Return displacements of the ball centres ``(N, 2)`` [m], where no unloaded ball overlaps a flank.
+
+    The position of an unloaded ball is not determined. One that overlaps a flank without contacts in the equations gets the
+    position that it finds between all four.
+
+    Parameters
+    ----------
+    problem
+        Static problem of N balls, whose flanks are circular arcs.
+    shift
+        Motions of the flanks ``(N, 4, 2)`` [m].
+    centres
+        Displacements of the ball centres in their section planes ``(N, 2)`` [m].
+    force
+        Contact forces ``(N, 4)`` [N].
+    """
+    if np.array_equal(problem.used_flanks, flanks_of_scene(problem.scene)):
+        return centres
+    gap = gaps_to_flanks(centres[None], shift[None], problem.contacts[None])[0].min(axis=1)
+    overlap = (force.max(axis=1) == 0.0) & (gap < 0.0)
+    if not overlap.any():
+        return centres
+    found = _between_all_flanks(problem, shift, force)[0]
+    return np.where(overlap[:, None], found, centres)
+
+
+def _between_all_flanks(problem: Problem, shift: Array, force: Array) -> tuple[Array, Array]:
+    """Return displacements ``(N, 2)`` [m] of balls in equilibrium with all four flanks, and their forces ``(N, 4)`` [N].
+
+    ``shift``: motions of the flanks ``(N, 4, 2)`` [m]; ``force``: contact forces ``(N, 4)`` [N], of whose largest the
+    forces that count as none are a fraction.
+    """
+    balls = replace(balls_of_problem(problem), used=np.ones((1, len(shift), 4), dtype=bool)).one_by_one()
+    nothing = np.full(len(shift), 0.1 * LEAST * float(force.max(initial=0.0)))
+    x, contacts, _ = ball_equilibrium(balls, shift, nothing)
+    return x[:, :2], contacts.force
+
+
 def touched_flanks(problem: Problem, motion: Array, centres: Array, force: Array) -> Mask:
     """Return which of the four flanks touch a ball if all four are given contacts, as booleans ``(4,)``.
 
@@ -218,10 +260,8 @@ def touched_flanks(problem: Problem, motion: Array, centres: Array, force: Array
         parts = centres[None], shift[None], problem.contacts[None], force[None]
         if solutions_clear_of_left_out_flanks(*parts, problem.used_flanks)[0]:
             return np.asarray((force > 0.0).any(axis=0))
-    floor = 1e-9 * float(force.max(initial=0.0))
-    balls = replace(balls_of_problem(problem), used=np.ones((1, len(shift), 4), dtype=bool)).one_by_one()
-    _, contacts, _ = ball_equilibrium(balls, shift, np.full(len(shift), 0.1 * floor))
-    return np.asarray((contacts.force > floor).any(axis=0))
+    found = _between_all_flanks(problem, shift, force)[1]
+    return np.asarray((found > LEAST * float(force.max(initial=0.0))).any(axis=0))
 
 
 def describe_left_out_parts(problem: Problem, mechanism: UnresistedMotions, *, everything: bool) -> tuple[str, ...]:

@@ -24,8 +24,8 @@ from rollbench.lowfi.statics.equilibrium import (
     ForceState,
     Limits,
     Outcome,
+    Solving,
     StaticSystem,
-    find_equilibrium,
 )
 from rollbench.lowfi.statics.problem import SIGNS, ContactState, Problem
 from rollbench.lowfi.statics.result import SolverReport, Status
@@ -120,7 +120,7 @@ class StaticEquations(ABC):
         assert self._state is not None
         return self._state
 
-    def solve_by_newton(self, from_linear: bool = True) -> Outcome:
+    def solve_by_newton(self, from_linear: bool = True) -> Solving[Outcome]:
         """Solve the equilibrium by Newton's method while Hertz constants and lever arms stay constant.
 
         Parameters
@@ -129,9 +129,7 @@ class StaticEquations(ABC):
             Whether to start from the solution with linear springs in place of the contacts; otherwise from the present
             state.
         """
-        start = None if from_linear else (self.state.phi, self.state.a)
-        self._state, found = find_equilibrium(self.system, start)
-        outcome = found.of_member(0)
+        self._state, outcome = yield self.system, None if from_linear else (self.state.phi, self.state.a)
         self.residual_force_scale = outcome.scale
         return outcome
 
@@ -212,7 +210,7 @@ def is_solve_accepted(outcome: Outcome, round_off_residual: float) -> bool:
     return outcome.residual <= max(ACCEPTED, round_off_residual) and outcome.status in (CONVERGED, ITERATIONS)
 
 
-def solve_with_updated_contacts(system: P, follow_profile_errors: bool = True) -> tuple[P, Outcome]:
+def solve_with_updated_contacts(system: P, follow_profile_errors: bool = True) -> Solving[tuple[P, Outcome]]:
     """Solve the equilibrium again and again with updated properties of the contacts, until they no longer change.
 
     These are the typical contact force, Hertz constants and lever arms.
@@ -229,11 +227,11 @@ def solve_with_updated_contacts(system: P, follow_profile_errors: bool = True) -
     tuple[P, Outcome]
         The equations at the last state, and status, residual and effort of the solver.
     """
-    system, outcome = update_typical_force(system, system.solve_by_newton())
+    system, outcome = yield from update_typical_force(system, (yield from system.solve_by_newton()))
     if system.problems and system.problems[0].scene.ingredients.hertz == "actual":
-        outcome = update_hertz_constants(system, outcome)
+        outcome = yield from update_hertz_constants(system, outcome)
     if follow_profile_errors and any(map(has_profile_errors, system.problems)):
-        return update_lever_arms(system, outcome)
+        return (yield from update_lever_arms(system, outcome))
     return system, outcome
 
 
@@ -328,7 +326,7 @@ def solver_report(
     )
 
 
-def update_typical_force(system: P, outcome: Outcome) -> tuple[P, Outcome]:
+def update_typical_force(system: P, outcome: Outcome) -> Solving[tuple[P, Outcome]]:
     """Take the typical contact force from the solution and solve again, until it no longer changes.
 
     Returns the equations with the last typical force at their solution, and the outcome of the last solve.
@@ -346,11 +344,11 @@ def update_typical_force(system: P, outcome: Outcome) -> tuple[P, Outcome]:
         before, system = system, system.at_forces_of_solution()
         if system is before:
             break
-        outcome = add_iteration_counts(outcome, system.solve_by_newton(False))
+        outcome = add_iteration_counts(outcome, (yield from system.solve_by_newton(False)))
     return system, outcome
 
 
-def update_hertz_constants(system: StaticEquations, outcome: Outcome) -> Outcome:
+def update_hertz_constants(system: StaticEquations, outcome: Outcome) -> Solving[Outcome]:
     """Update the Hertz constants to the actual contact angles and solve again, until they no longer change.
 
     Returns the outcome of the last solve, with the iterations of all solves added up. The equations ``system`` then hold
@@ -373,13 +371,13 @@ def update_hertz_constants(system: StaticEquations, outcome: Outcome) -> Outcome
             updated = hertz_at_contact_angles(problem.scene, problem.drawn, gamma).C
             change = max(change, float(np.abs(updated / problem.C - 1.0).max()))
             problem.C[:] = updated
-        outcome = add_iteration_counts(outcome, system.solve_by_newton(False))
+        outcome = add_iteration_counts(outcome, (yield from system.solve_by_newton(False)))
         if change < SETTLED:
             break
     return outcome
 
 
-def update_lever_arms(system: P, outcome: Outcome) -> tuple[P, Outcome]:
+def update_lever_arms(system: P, outcome: Outcome) -> Solving[tuple[P, Outcome]]:
     """Update the lever arms of the contact forces and solve again, until they no longer change.
 
     A contact force acts through the centre of curvature of the flank at the contact point. If the flank deviates from a
@@ -400,7 +398,7 @@ def update_lever_arms(system: P, outcome: Outcome) -> tuple[P, Outcome]:
         arms = [curvature_centre_shifts(s) for s in system.contact_states()]
         change = max(float(np.abs(x - y).max()) for x, y in zip(arms, before, strict=True))
         before, system = arms, system.with_lever_arms(arms)
-        outcome = add_iteration_counts(outcome, system.solve_by_newton(False))
+        outcome = add_iteration_counts(outcome, (yield from system.solve_by_newton(False)))
         if change < SETTLED:
             break
     return system, outcome

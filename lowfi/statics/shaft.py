@@ -59,6 +59,7 @@ from rollbench.lowfi.statics.shape import (
     thermal_nodal_loads,
 )
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.cache import kept_by_content
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import MERGE, contact_force_positions
@@ -69,6 +70,14 @@ OnShaft = Problem | BeamProblem
 SparseFrame = tuple[Any, Any, Callable[[Array], Array], Callable[[Array], Array]]
 #: Number of load cases of the beam that are solved at a time, to limit memory.
 CHUNK = 512
+#: Number of beams whose factors and compliances are kept.
+KEPT = 8
+
+
+def _beam_of_flanks(shaft: ShaftBeam, screw_flanks: list[int]) -> tuple[Any, ...]:
+    """Return the arrays on which `flank_compliance` depends."""
+    lengths = np.diff(shaft.problem.nodes)
+    return lengths, shaft.element_sections, shaft.free_dofs, *flank_motion_coefficients(shaft.problem, screw_flanks)
 
 
 @dataclass
@@ -205,6 +214,7 @@ def _work_of_external_loads(problem: OnShaft, motions: Array, pin: int) -> Array
     return np.asarray(motions.T @ at_pin)
 
 
+@kept_by_content(KEPT, lambda band, free: (band, free))
 def _factor_beam_stiffness(band: Array, free: NDArray[np.bool_]) -> BandFactor:
     """Return the Cholesky factor of a beam's stiffness matrix, see `beam.factor_band`.
 
@@ -241,28 +251,29 @@ def flank_motion_coefficients(problem: OnShaft, screw_flanks: list[int]) -> tupl
     return np.concatenate(dof), np.concatenate([problem.B[:, s] for s in screw_flanks])
 
 
-def flank_compliance_and_free_motions(shaft: ShaftBeam, screw_flanks: list[int]) -> tuple[Array, Array]:
-    """Return how the screw's flanks move by deformation of the beam under contact forces, and by its free rigid motions.
+@kept_by_content(KEPT, _beam_of_flanks)
+def flank_compliance(shaft: ShaftBeam, screw_flanks: list[int]) -> Array:
+    """Return how the screw's flanks move by deformation of the beam under contact forces.
 
     Parameters
     ----------
     shaft
-        The beam with k free rigid motions.
+        The beam.
     screw_flanks
         Numbers of the screw flanks in use, 0 for the left one and 1 for the right one. Each counts once per ball, which
         gives c flanks.
 
     Returns
     -------
-    tuple[Array, Array]
-        Compliance ``(2 c, 2 c)`` [m/N] of the flanks by the beam, and their motions per metre of each free rigid motion
-        ``(2 c, k)``; two components per flank, in the order of `flank_motion_coefficients`.
+    Array
+        Compliance ``(2 c, 2 c)`` [m/N] of the flanks by the beam; two components per flank, in the order of
+        `flank_motion_coefficients`. It is shared by all beams of equal form and must not be changed.
     """
     problem = shaft.problem
     dof, rows = flank_motion_coefficients(problem, screw_flanks)
     count = rows.shape[0]
     if problem.rigid_motion_basis is not None:
-        return np.zeros((2 * count, 2 * count)), flank_motions_by_free_motions(shaft, screw_flanks)
+        return np.zeros((2 * count, 2 * count))
     size = 6 * problem.nodes.size
     G = np.zeros((2 * count, 2 * count))
     for start in range(0, 2 * count, CHUNK):
@@ -271,7 +282,13 @@ def flank_compliance_and_free_motions(shaft: ShaftBeam, screw_flanks: list[int])
         loads[dof[pick // 2].T, np.arange(pick.size)] = rows[pick // 2, pick % 2].T
         q = shaft.motions_under_loads(loads)
         G[:, pick] = np.einsum("cak,ckp->cap", rows, q[dof]).reshape(2 * count, pick.size)
-    return 0.5 * (G + G.T), flank_motions_by_free_motions(shaft, screw_flanks)
+    return 0.5 * (G + G.T)
+
+
+def forget_beams() -> None:
+    """Delete all factors and compliances of beams that are kept in memory."""
+    _factor_beam_stiffness.cache_clear()
+    flank_compliance.cache_clear()
 
 
 def flank_motions_by_free_motions(shaft: ShaftBeam, screw_flanks: list[int]) -> Array:

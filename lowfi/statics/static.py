@@ -16,7 +16,7 @@ import numpy as np
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, ComplianceModel
 from rollbench.lowfi.statics import held, selection, settle
 from rollbench.lowfi.statics.equations import SingleNutEquations, StaticInput
-from rollbench.lowfi.statics.equilibrium import Outcome
+from rollbench.lowfi.statics.equilibrium import Outcome, Solving, solve_alone
 from rollbench.lowfi.statics.held import UnresistedMotions, find_unresisted_motions
 from rollbench.lowfi.statics.problem import Problem, place_balls
 from rollbench.lowfi.statics.result import StaticResult, Status
@@ -76,7 +76,7 @@ class UnrestrainedProblem(NamedTuple):
         return Status("not held", self.unresisted_motions.description)
 
 
-def solve_with_chosen_flanks(problem_input: StaticInput) -> SolvedEquations | UnrestrainedProblem:
+def solve_with_chosen_flanks(problem_input: StaticInput) -> Solving[SolvedEquations | UnrestrainedProblem]:
     """Solve a ball screw with contacts on the chosen flanks, and if need be again with all flanks.
 
     It is solved again if the solver fails, or if a ball of the solution touches a flank that was left out.
@@ -101,7 +101,7 @@ def solve_with_chosen_flanks(problem_input: StaticInput) -> SolvedEquations | Un
         problem = pin_free_motions(problem, mechanism)
         system = problem_input.with_supports_of(problem).build_equations(problem)
         prepared_at = perf_counter()
-        system, outcome = settle.solve_with_updated_contacts(system)
+        system, outcome = yield from settle.solve_with_updated_contacts(system)
         every = selection.flanks_of_scene(problem_input.scene)
         good = settle.is_solve_accepted(outcome, system.round_off_residual())
         whole = np.array_equal(problem_input.used_flanks, every)
@@ -173,7 +173,12 @@ def solve_static(
     return result
 
 
-def solve_elastic(
+def solve_elastic(scene: Scene, **how: Any) -> StaticResult:
+    """Return the result of `elastic_solution` for one scene; ``how``: its other arguments."""
+    return solve_alone(elastic_solution(scene, **how))
+
+
+def elastic_solution(
     scene: Scene,
     *,
     backend: ComplianceModel = REFINED,
@@ -182,8 +187,10 @@ def solve_elastic(
     everything: bool = False,
     member: int = 0,
     refine: int = 1,
-) -> StaticResult:
+) -> Solving[StaticResult]:
     """Compute contact loads, contact angles and shaft motion of a ball screw with elastic bodies in static equilibrium.
+
+    Several such computations can be run together (`solve_together`).
 
     Parameters
     ----------
@@ -216,7 +223,7 @@ def solve_elastic(
     how: dict[str, Any] = {"condensed_bodies": condensed, "everything": everything, "refine": refine}
     drawn = draw_geometry_with_errors(scene, layout, member)
     problem_input = static_input(scene, drawn, layout, backend=backend, **how)
-    solved = solve_with_chosen_flanks(problem_input)
+    solved = yield from solve_with_chosen_flanks(problem_input)
     if isinstance(solved, UnrestrainedProblem):
         return failed_result(solved.problem, name, solved.status, perf_counter() - start)
     system, outcome, mechanism = solved.system, solved.outcome, solved.mechanism
@@ -229,10 +236,10 @@ def solve_elastic(
     )
     left_out = selection.describe_left_out_parts(problem, mechanism, everything=problem_input.everything)
     texts = (*left_out, *description.left_out), description.assumed
-    return with_note_on_pins(assemble_result(system.solved_state(), name, status, report, *texts), solved)
+    return (yield from with_note_on_pins(assemble_result(system.solved_state(), name, status, report, *texts), solved))
 
 
-def with_note_on_pins(result: StaticResult, solved: SolvedEquations) -> StaticResult:
+def with_note_on_pins(result: StaticResult, solved: SolvedEquations) -> Solving[StaticResult]:
     """Return the result with a note on how much the contact loads depend on the choice of pins.
 
     A pin is a degree of freedom that the model fixes because neither load nor support determines it. The result is returned
@@ -251,7 +258,7 @@ def with_note_on_pins(result: StaticResult, solved: SolvedEquations) -> StaticRe
         return result
     again = pin_free_motions(solved.build.build_problem(), mechanism, True)
     equations = solved.build.with_supports_of(again).build_equations(again)
-    other, found = settle.solve_with_updated_contacts(equations, follow_profile_errors=False)
+    other, found = yield from settle.solve_with_updated_contacts(equations, follow_profile_errors=False)
     pins, others = (" and ".join(FREEDOMS[k] for k in x) for x in (mechanism.pins, mechanism.alternative_pins))
     words = f"{mechanism.description} is prevented by fixing {pins} of the first node; if {others} is fixed instead, "
     if settle.is_solve_unusable(found):

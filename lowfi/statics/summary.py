@@ -38,6 +38,9 @@ SCREW, RIGID_SCREW = 1, "the screw is rigid, apart from the Hertzian contacts"
 #: Largest unbalanced force or moment on screw or ball, relative to the largest force or moment, that a converged solution
 #: may have.
 BALANCE = 1e-6
+#: Force [N] or moment [N m] that is round-off in any scene: without loads, motions of round-off leave such forces in
+#: contacts that just touch.
+NO_FORCE = 1e-15
 #: Assumptions of Lin's model that hold also for elastic screw, nut and balls.
 ELASTIC_ASSUMPTIONS = MODEL_ASSUMPTIONS[2:]
 
@@ -269,10 +272,11 @@ def check_equilibrium(
     df, dm = np.maximum(total[:3] - left_over, 0.0), np.maximum(total[3:] - left_over * arm, 0.0)
     worst = int(net.argmax()) if net.size else -1
     sides = applied[:3], applied[3:], reaction[:3], reaction[3:], contact[:3], contact[3:]
-    left = float(df.max()) / largest if largest else 0.0, float(dm.max()) / size_m if size_m else 0.0
+    felt, turned = largest > NO_FORCE, size_m > NO_FORCE
+    left = float(df.max()) / largest if felt else 0.0, float(dm.max()) / size_m if turned else 0.0
     pins = float(np.abs(pin[:3]).max()), float(np.abs(pin[3:]).max())
     pin_share = max(pins[0] / largest, pins[1] / size_m) if largest else 0.0
-    on_ball = float(net[worst]) / largest if largest and net.size else 0.0
+    on_ball = float(net[worst]) / largest if felt and net.size else 0.0
     return Equilibrium(*sides, *left, pin[:3], pin[3:], pin_share, on_ball, worst + 1)
 
 

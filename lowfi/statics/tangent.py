@@ -19,14 +19,14 @@ machine K is the stiffness between a node of the screw and a node of the nut; sh
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
 from rollbench.lowfi.statics.equations import SingleNutEquations, StaticInput
-from rollbench.lowfi.statics.equilibrium import Compliances, DenseBodies, small_response
+from rollbench.lowfi.statics.equilibrium import Compliances, DenseBodies, small_response, solve_alone
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.rolling_elements import stiffness_factors
 from rollbench.lowfi.statics.selection import choose_flanks, flanks_of_scene
@@ -37,22 +37,30 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, Scene, Support
+from rollbench.meshes.quantity import quantity_field, result_record
 
 if TYPE_CHECKING:
     from rollbench.lowfi.compliance.bodies import CondensedCompliance
 
 
-@dataclass(frozen=True)
+@result_record(kw_only=True)
 class TangentStiffness:
-    """Tangent stiffness of a loaded ball screw between a cross-section of the screw and the fixed nut."""
+    """Tangent stiffness of a loaded ball screw between a cross-section of the screw and the fixed nut, or of a shaft."""
 
-    #: Axial position of the cross-section [m].
-    station: float
-    #: Stiffness matrix ``(6, 6)`` in ux, uy, uz, rx, ry, rz [N/m, N/rad, N m/rad]; nan if the solve did not converge, and
-    #: for motions that the model does not have.
-    matrix: Array
-    #: Whether the solve converged, and if not, the reason.
-    status: str
+    station: float = quantity_field("station_mm", "axial position on the shaft at which the 6 x 6 stiffness is taken")
+    """Axial position of the cross-section [m]; nan for the stiffness of a housing."""
+    status: str = quantity_field("status", show=str)
+    """Whether the solve converged, and if not, the reason."""
+    freedoms: tuple[str, ...] = quantity_field("freedoms", default=FREEDOMS)
+    """Names of the degrees of freedom of the rows and columns: ux, uy, uz, rx, ry, rz."""
+    matrix: Array = quantity_field(
+        "matrix",
+        "row by row: change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] of the shaft at "
+        "this position, with the nut fixed; null in degrees of freedom that a support fixes",
+        parts="[][]",
+    )
+    """Stiffness matrix ``(6, 6)`` [N/m, N/rad, N m/rad]; nan if the solve did not converge, and for motions that the model
+    does not have."""
 
 
 def tangent_stiffness(
@@ -94,14 +102,14 @@ def tangent_stiffness(
     every = condensed is not None or "kernel" in (backend.screw, backend.nut) or drawn.profile_coefficients.shape[1] > 0
     use = flanks_of_scene(scene) if every else choose_flanks(scene, drawn)  # no negative compliance from beams
     asked = StaticInput(scene, drawn, layout, use, backend=backend, condensed_bodies=condensed)
-    solved = solve_with_chosen_flanks(asked)
+    solved = solve_alone(solve_with_chosen_flanks(asked))
     status = solved.status
     if isinstance(solved, UnrestrainedProblem) or status != "converged":
-        return TangentStiffness(station, np.full((6, 6), np.nan), status)
+        return TangentStiffness(station=station, matrix=np.full((6, 6), np.nan), status=status)
     clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))
     held = replace(solved.build, scene=replace(scene, supports=(clamp,), loads=()))
     matrix = _stiffness_at_clamp(solved.system, held.build_equations(held.build_problem()), station)
-    return TangentStiffness(station, 0.5 * (matrix + matrix.T), status)
+    return TangentStiffness(station=station, matrix=0.5 * (matrix + matrix.T), status=status)
 
 
 def _stiffness_at_clamp(equations: SingleNutEquations, clamped: SingleNutEquations, station: float) -> Array:

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.statics.contact_law import ENDS
+from rollbench.lowfi.statics.contact_law import radius_with_derivatives
 from rollbench.lowfi.statics.contacts import hertz_of_every_contact
 from rollbench.lowfi.statics.problem import SIGNS, ContactState, Problem
 from rollbench.lowfi.statics.settle import contact_angles
@@ -15,7 +15,7 @@ from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import pairs_of_close_points
 from rollbench.meshes.one_arc import has_single_arc_grooves
-from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import screw_groove_section, section_angle_range_of_nut_groove
 from rollbench.meshes.washers import has_washers, section_angle_limits
 
@@ -253,36 +253,24 @@ def profile_warning(contacts: ContactState) -> list[ResultWarning]:
 
     Profile errors shift the centre of curvature of the profile off the groove's centre, by the derivative of the groove's
     radius with respect to the contact angle [m]. If this shift is not small against the distance between groove centre and
-    ball centre, there may be several contact points. ``contacts``: contacts in the solution. The profile error
-    is a polynomial of the angle from -135 to 225 deg with a jump at its ends (`contact_law.ENDS`). A ball that is pressed
-    onto the jump has no equilibrium on either side of it.
+    ball centre, there may be several contact points. ``contacts``: contacts in the solution.
     """
     profile = contacts.problem.drawn.profile_coefficients
     if not profile.shape[1]:
         return []
-    powers, angle = np.arange(profile.shape[1]), contact_angles(contacts.normal)
-    slope = np.abs(np.einsum("sk,nsk->ns", profile[:, 1:] * powers[1:], angle[..., None] ** powers[:-1]))
-    jump = np.abs(profile @ (ENDS[1] ** powers - ENDS[0] ** powers))
+    slope = np.abs(
+        radius_with_derivatives(contact_angles(contacts.normal), contacts.problem.drawn.groove_radii, profile)[1]
+    )
     w = SIGNS * (contacts.ball_centres[:, None, :] - contacts.flank_motions - contacts.problem.drawn.groove_centres)
-    loaded, size = contacts.force > 0.0, np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-12)
-    share = np.where(loaded, slope / size, 0.0)
-    from_end = np.abs((np.arctan2(w[..., 1], w[..., 0]) - ENDS[0] + np.pi) % (2.0 * np.pi) - np.pi)
-    at_end = loaded & (size * from_end < jump)
-    ball, side = np.unravel_index(int((share + at_end * share.max()).argmax()), share.shape)
-    if at_end[ball, side]:
-        why = (
-            f"the ball's centre lies on the far side of the centre of groove arc {SIDES[side]}, where the profile error, a "
-            f"polynomial of the angle, ends with a jump of {1e6 * jump[side]:.3g} um, so that the ball may have no "
-            "equilibrium on either side of the jump"
-        )
-    elif share[ball, side] > PROFILE_SHARE:
-        why = (
-            "the groove's profile error shifts the flank's centre of curvature by "
-            f"{100.0 * share[ball, side]:.3g} % of its distance from the ball's centre, so that the ball may touch that "
-            "flank at several points; the model finds one of them"
-        )
-    else:
+    share = np.where(contacts.force > 0.0, slope / np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-12), 0.0)
+    ball, side = np.unravel_index(int(share.argmax()), share.shape)
+    if share[ball, side] <= PROFILE_SHARE:
         return []
+    why = (
+        "the groove's profile error shifts the flank's centre of curvature by "
+        f"{100.0 * share[ball, side]:.3g} % of its distance from the ball's centre, so that the ball may touch that "
+        "flank at several points; the model finds one of them"
+    )
     brief = "the contact pattern is not unique"
     return [ResultWarning("profile", f"{brief}: at ball {ball + 1} {why}", f"{brief} at ball {ball + 1}")]
 

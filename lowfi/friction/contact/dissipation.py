@@ -34,10 +34,6 @@ class ContactDissipationRatio(NamedTuple):
     #: Second derivatives of D by vx, vz and spin ``(..., 3, 3)`` [s/m, s, m s].
     hessian: Array
 
-    def loss(self, speed: Array | float) -> Array:
-        """Return the friction loss divided by the friction bound ``(...)`` [m/s], at the regularising speed [m/s]."""
-        return np.asarray(self.value - speed * self.by_speed)
-
 
 def dissipation_ratio(a: Array, b: Array, motion: Array, speed: Array | float) -> ContactDissipationRatio:
     """Return the power dissipated in contacts divided by their friction bounds mu F, and its derivatives, in closed form.

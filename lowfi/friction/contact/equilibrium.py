@@ -21,11 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rollbench.lowfi.friction.contact.laws import ContactFriction, EllipticalContacts, FrictionLaw, SigmoidLaw
-from rollbench.lowfi.friction.contact.least_dissipation import (
-    FrictionalBodies,
-    least_dissipation_of_bodies,
-    least_dissipation_value,
-)
+from rollbench.lowfi.friction.contact.least_dissipation import FrictionalBodies, least_dissipation_of_bodies
 from rollbench.lowfi.friction.contact.loads import minimise_energy, one_group
 from rollbench.lowfi.friction.contact.normal_force import BallContactArrays
 from rollbench.meshes.arrays import Array, Mask
@@ -162,6 +158,12 @@ class BodyMotionProblem:
     #: Generalised forces on the body other than friction ``(n,)`` [W per unit of the unknown velocity].
     other_forces: Array
 
+    @property
+    def body(self) -> FrictionalBodies:
+        """The body as the only one of K = 1 bodies."""
+        at, motions = self.contacts, (self.contact_motion_maps, self.imposed_contact_motions, self.other_forces)
+        return FrictionalBodies(*(np.asarray(x, dtype=float)[None] for x in (at.a, at.b, at.friction_bound, *motions)))
+
     def contact_motions_at(self, q: Array) -> Array:
         """Return the sliding and spin of the body at its m contacts ``(m, 3)`` for unknown velocities q ``(n,)``.
 
@@ -169,16 +171,6 @@ class BodyMotionProblem:
         [rad/s].
         """
         return np.asarray(self.imposed_contact_motions + self.contact_motion_maps @ q)
-
-    def surface_speed_per_unknown(self) -> Array:
-        """Return the root of the sum of squares of the loaded contacts' sliding speeds per unit of each unknown ``(n,)``.
-
-        The value is 1 for an unknown velocity that moves no loaded contact. Solvers scale the unknowns by these values.
-        """
-        one = np.ones_like(self.contacts.a)
-        rows = self.contact_motion_maps * np.stack([one, one, self.contacts.a], axis=1)[:, :, None]
-        size = np.sqrt(np.sum(rows[self.contacts.friction_bound > 0.0] ** 2, axis=(0, 1)))
-        return np.asarray(np.where(size > 0.0, size, 1.0))
 
     def unbalanced_forces(self, friction: ContactFriction) -> Array:
         """Return the sum of friction and other forces on the body as generalised forces ``(n,)`` [W per unit of unknown].
@@ -203,9 +195,6 @@ class BodyMotion:
     sticking_contacts: Mask
     #: Largest unbalanced force on the body [N].
     imbalance: float
-    #: Lower, then upper bound of the minimum, over all motions of the body, of the dissipated power less the power of the
-    #: forces other than friction [W].
-    dissipation_bounds: tuple[float, float]
     #: ``"exact"``: equilibrium in which contacts rest or slip exactly; ``"regularised"``: equilibrium with regularised
     #: friction, because a contact is on the verge of slip; ``"at rest"``: no motion, for lack of drive and force;
     #: ``"failed"``: no equilibrium found.
@@ -247,16 +236,9 @@ def least_dissipations(problems: Sequence[BodyMotionProblem], start: Array | Non
     """
     if not problems:
         return []
-    bodies = FrictionalBodies(
-        np.array([p.contacts.a for p in problems]),
-        np.array([p.contacts.b for p in problems]),
-        np.array([p.contacts.friction_bound for p in problems]),
-        np.array([p.contact_motion_maps for p in problems], dtype=float),
-        np.array([p.imposed_contact_motions for p in problems], dtype=float),
-        np.array([p.other_forces for p in problems], dtype=float),
-    )
+    bodies = FrictionalBodies(*map(np.concatenate, zip(*(p.body for p in problems), strict=True)))
     found = least_dissipation_of_bodies(bodies, start)
-    upper, good = least_dissipation_value(bodies, found.q), found.balanced(bodies)
+    good = found.balanced(bodies)
     out = []
     for k, problem in enumerate(problems):
         motion, forces = problem.contact_motions_at(found.q[k]), found.forces[k]
@@ -269,7 +251,6 @@ def least_dissipations(problems: Sequence[BodyMotionProblem], start: Array | Non
                 friction=friction,
                 sticking_contacts=found.rest[k],
                 imbalance=float(found.imbalance[k]),
-                dissipation_bounds=(float(found.lower_bound[k]), float(upper[k])),
                 status=STATUS[found.status[k]] if good[k] else "failed",
                 steps=int(found.steps[k]),
             )
@@ -290,7 +271,7 @@ def motion_without_friction_forces(motion: BodyMotion) -> BodyMotion:
     """
     f = motion.friction
     none = ContactFriction(np.zeros_like(f.force), np.zeros_like(f.moment), np.zeros_like(f.loss))
-    return replace(motion, friction=none, imbalance=0.0, dissipation_bounds=(0.0, 0.0))
+    return replace(motion, friction=none, imbalance=0.0)
 
 
 def motion_by_root(problem: BodyMotionProblem, law: FrictionLaw, start: Array) -> BodyMotion:
@@ -308,7 +289,7 @@ def motion_by_root(problem: BodyMotionProblem, law: FrictionLaw, start: Array) -
     start
         Values of the unknowns ``(n,)`` from which the search begins.
     """
-    units = problem.surface_speed_per_unknown()
+    units = problem.body.surface_speed_per_unknown[0]
     scale = max(float(np.sum(problem.contacts.friction_bound)), 1e-300)
 
     def residual(p: Array) -> Array:
@@ -323,14 +304,12 @@ def motion_by_root(problem: BodyMotionProblem, law: FrictionLaw, start: Array) -
     motion = problem.contact_motions_at(q)
     friction = law.friction(problem.contacts, motion)
     left = float(np.max(np.abs(problem.unbalanced_forces(friction) / units)))
-    loss = float(np.sum(friction.loss))
     return BodyMotion(
         unknown_velocities=q,
         contact_motions=motion,
         friction=friction,
         sticking_contacts=np.zeros(motion.shape[0], dtype=bool),
         imbalance=left,
-        dissipation_bounds=(loss, loss),
         status="exact" if left <= 1e-8 * scale else "failed",
         steps=int(solution.nfev),
     )

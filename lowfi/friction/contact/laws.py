@@ -202,30 +202,18 @@ class FrictionLaw(Protocol):
 
 @dataclass(frozen=True)
 class CoulombLaw:
-    """Coulomb's law: traction mu p against the local sliding velocity; zero at rest, where it is not determined.
+    """Coulomb's law, by default exact: the traction is mu p v/sqrt(|v|^2 + speed^2) with a regularising speed.
 
-    mu is the coefficient of friction, p the Hertz pressure.
+    mu is the coefficient of friction, p the Hertz pressure, and v the local sliding velocity. Exact friction is zero at
+    rest, where it is not determined. The dissipated power is convex in the motion, and exceeds that of exact friction by at
+    most mu F times the regularising speed, with the normal force F.
     """
 
-    def friction(self, at: EllipticalContacts, motion: Array) -> ContactFriction:
-        """Return Coulomb friction of n contacts at the given motion by exact integrals over their ellipses."""
-        return friction_forces(at, motion, 0.0)
-
-
-@dataclass(frozen=True)
-class RegularisedCoulombLaw:
-    """Coulomb's law made smooth by a regularising speed: the traction is mu p v/sqrt(|v|^2 + speed^2).
-
-    mu is the coefficient of friction, p the Hertz pressure, and v the local sliding velocity. The dissipated power is
-    convex in the motion and exceeds that of Coulomb's law by at most mu F times the regularising speed, with the normal
-    force F.
-    """
-
-    #: Regularising speed > 0 [m/s]: at sliding speeds far below it, friction is proportional to the sliding speed.
-    regularising_speed: float
+    #: Regularising speed [m/s]: at sliding speeds far below it, friction is proportional to the sliding speed.
+    regularising_speed: float = 0.0
 
     def friction(self, at: EllipticalContacts, motion: Array) -> ContactFriction:
-        """Return regularised friction of n contacts at the given motion by exact integrals over their ellipses."""
+        """Return the friction of n contacts at the given motion by exact integrals over their ellipses."""
         return friction_forces(at, motion, self.regularising_speed)
 
 

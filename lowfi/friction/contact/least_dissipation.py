@@ -97,8 +97,6 @@ class DissipationState(NamedTuple):
 
     #: Dissipated power less power of the other forces ``(K,)`` [W].
     value: Array
-    #: Excess of the dissipated power over the friction loss, which is due to regularisation ``(K,)`` [W].
-    excess: Array
     #: Negative friction on the bodies ``(K, m, 3)``: forces along the semi-axes [N], moments about the normals [N m].
     friction: Array
     #: Derivatives of the value by q ``(K, n)``: unbalanced forces with reversed sign.
@@ -119,13 +117,13 @@ def evaluate_dissipation(bodies: FrictionalBodies, units: Array, speed: Array, q
     motion, each = bodies.contact_motions(q), np.broadcast_to(speed[:, None], rubs.shape)
     law = dissipation_ratio(bodies.a[rubs], bodies.b[rubs], motion[rubs], each[rubs])
     bound = bodies.bound[rubs]
-    power, excess, friction, bend = (np.zeros(rubs.shape + rest) for rest in ((), (), (3,), (3, 3)))
-    power[rubs], excess[rubs] = bound * law.value, bound * each[rubs] * law.by_speed
+    power, friction, bend = (np.zeros(rubs.shape + rest) for rest in ((), (3,), (3, 3)))
+    power[rubs] = bound * law.value
     friction[rubs], bend[rubs] = bound[:, None] * law.gradient, bound[:, None, None] * law.hessian
     gradient = resultant(bodies, friction) - bodies.push
     hessian = (bodies.maps.swapaxes(2, 3) @ (bend @ bodies.maps)).sum(axis=1)
     value = power.sum(axis=1) - (bodies.push * q).sum(axis=1)
-    return DissipationState(value, excess.sum(axis=1), friction, gradient, hessian, np.abs(gradient / units).max(axis=1))
+    return DissipationState(value, friction, gradient, hessian, np.abs(gradient / units).max(axis=1))
 
 
 def resultant(bodies: FrictionalBodies, forces: Array) -> Array:
@@ -262,8 +260,6 @@ class LeastDissipation(NamedTuple):
     status: Index
     #: Largest unbalanced force on each body ``(K,)`` [N].
     imbalance: Array
-    #: Lower bound of the least dissipation less the power of ``push`` ``(K,)`` [W], by joint convexity in motion and speed.
-    lower_bound: Array
     #: Number of Newton steps ``(K,)``.
     steps: Index
 
@@ -307,7 +303,6 @@ def least_dissipation_of_bodies(
         np.repeat(still[:, None], bodies.a.shape[1], axis=1),
         np.where(still, AT_REST, REGULARISED),
         np.zeros(count),
-        np.zeros(count),
         np.zeros(count, dtype=int),
     )
 
@@ -315,7 +310,7 @@ def least_dissipation_of_bodies(
         """Write those solutions of some bodies that are good."""
         to = at[good]
         q[to], out.forces[to], out.rest[to] = exact.q[good], exact.forces[good], exact.rest[good]
-        out.status[to], out.imbalance[to], out.lower_bound[to] = EXACT, exact.imbalance[good], exact.lower_bound[good]
+        out.status[to], out.imbalance[to] = EXACT, exact.imbalance[good]
         out.steps[at] += exact.steps
 
     left, slow = ~still, SLOW * 10.0**-LAST_SMOOTH * top
@@ -332,7 +327,6 @@ def least_dissipation_of_bodies(
         # the change of the motion is the unknown: a sticking contact's speed is tiny, and lost in differences of large ones
         near_here, change = some._replace(drives=some.contact_motions(q[on])), np.zeros((on.size, n))
         state, taken = minimise_dissipation(near_here, speed, change, goal, limit, REACH * top[on])
-        known_power = (some.push * q[on]).sum(axis=1)
         found = q[on] = q[on] + change
         out.imbalance[on] = state.imbalance
         out.steps[on] += taken
@@ -342,10 +336,9 @@ def least_dissipation_of_bodies(
         q[again], level[again] = motion_nearest_to_rolling(some.take(missed)), FIRST
         done, end = np.zeros(on.size, dtype=bool), np.flatnonzero(last & ~missed)
         if end.size:
-            lower = (state.value - state.excess - known_power)[end]
-            out.lower_bound[on[end]], out.forces[on[end]] = lower, state.friction[end]
+            out.forces[on[end]] = state.friction[end]
             exact, good = set_slow_contacts_to_rest(some.take(end), found[end], state.friction[end], SLOW * speed[end])
-            keep(on[end], exact._replace(lower_bound=lower), good)
+            keep(on[end], exact, good)
             done[end] = good
         level[on[~missed]] += 1
         on = on[~done & (level[on] <= LEAST)]
@@ -362,12 +355,7 @@ def slide_in_all_contacts(bodies: FrictionalBodies, start: Array, slow: Array) -
     state, steps = minimise_dissipation(bodies, np.zeros(len(q)), q, EXACTLY, NEAR_STEPS, REACH * slow)
     good = (state.imbalance <= BALANCED * bound) & (bodies.slowest_contact(q) >= slow)
     none, rest = np.full(len(q), EXACT), np.zeros(bodies.bound.shape, dtype=bool)
-    return LeastDissipation(q, state.friction, rest, none, state.imbalance, state.value, steps), good
-
-
-def least_dissipation_value(bodies: FrictionalBodies, q: Array) -> Array:
-    """Return the dissipated power less the power of the other forces ``(K,)`` [W] at motions q ``(K, n)``."""
-    return evaluate_dissipation(bodies, np.ones_like(q), np.zeros(len(q)), q).value
+    return LeastDissipation(q, state.friction, rest, none, state.imbalance, steps), good
 
 
 def set_slow_contacts_to_rest(
@@ -423,7 +411,7 @@ def set_slow_contacts_to_rest(
     if body.size:
         each = bodies.a[body, contact], bodies.b[body, contact], bodies.bound[body, contact]
         good[body[~contacts_can_stick(*each, held[body, contact])]] = False
-    result = LeastDissipation(q, held, rest, np.full(count, EXACT), imbalance, np.zeros(count), steps)
+    result = LeastDissipation(q, held, rest, np.full(count, EXACT), imbalance, steps)
     return result, good
 
 

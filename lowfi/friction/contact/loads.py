@@ -1,8 +1,9 @@
 """Contact loads of balls between the grooves of two rigid bodies at the minimum of elastic energy, by Newton's method.
 
-The bodies are screw and nut, inner and outer ring (a screw of zero lead), or carriage and rail. Axes of the arrays: K
-independent groups, each of N balls around an inner body that is free in m motions; contact; component along x, z of the
-ball's groove section.
+The bodies are screw and nut, inner and outer ring (a screw of zero lead), or carriage and rail. Other than in
+`lowfi.statics.equilibrium`, whose balls carry contact forces only, friction and neighbours push each ball. Axes of the
+arrays: K independent groups, each of N balls around an inner body that is free in m motions; contact; component along x, z
+of the ball's groove section.
 """
 
 from __future__ import annotations

@@ -23,10 +23,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
+from rollbench.lowfi.friction.contact.least_dissipation import FrictionalBodies
 from rollbench.lowfi.friction.linear import bearing as linear_bearing
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, Loads
 from rollbench.lowfi.friction.screw.chain import (
@@ -34,7 +34,6 @@ from rollbench.lowfi.friction.screw.chain import (
     BalanceSearch,
     BallChain,
     ChainMotion,
-    FrictionContacts,
     chain_motion_in_si_units,
     solve_motion_of_chain,
 )
@@ -124,19 +123,6 @@ class LinearBallChain(BallChain):
         return self.groove.bearing
 
     @property
-    def friction_contacts(self) -> FrictionContacts:
-        """Ellipses, friction bounds and kinematics of the contacts of all N balls with the grooves."""
-        least = max(1e-9 * float(self.force.max(initial=0.0)), 1e-30)
-        a, b = linear_bearing.contact_semi_axes(self.bearing, np.maximum(self.force, least))
-        maps, drives = self.groove.contact_kinematics(self.normals)
-        return FrictionContacts(np.stack([a, b, self.bearing.mu * self.force], axis=-1), maps, drives)
-
-    @property
-    def mu_balls(self) -> float:
-        """Coefficient of friction between touching balls."""
-        return self.bearing.mu_balls
-
-    @property
     def largest_friction_bound(self) -> float:
         """Largest sum of the friction bounds of a ball's contacts [N]; that for a coefficient of 1 without friction."""
         return (self.bearing.mu or 1.0) * float(self.force.sum(axis=1).max())
@@ -205,7 +191,10 @@ def prepare_linear_chain(
     slack = np.append(np.where(np.broadcast_to(np.asarray(touching, dtype=bool), (count - 1,)), 0.0, np.inf), np.inf)
     n = linear_bearing.contact_directions(angles)
     normals = np.stack([n[..., 1], np.zeros_like(angles), n[..., 0]], axis=-1)
-    return LinearBallChain(StraightTrack(bearing), loads, normals, slack)
+    least = max(1e-9 * float(loads.max(initial=0.0)), 1e-30)
+    ellipses, track = linear_bearing.contact_semi_axes(bearing, np.maximum(loads, least)), StraightTrack(bearing)
+    contacts = FrictionalBodies(*ellipses, bearing.mu * loads, *track.contact_kinematics(normals), np.zeros((count, 4)))
+    return LinearBallChain(track, loads, normals, slack, contacts, bearing.mu_balls)
 
 
 def may_have_several_equilibria(chain: LinearBallChain) -> bool:
@@ -231,10 +220,6 @@ def find_second_equilibrium(chain: LinearBallChain, known: ChainMotion) -> Chain
         Known state of the chain, as `solve_motion_of_chain` returns it.
     """
 
-    def with_friction(mu: float) -> LinearBallChain:
-        """Return the chain with another coefficient of friction between balls."""
-        return replace(chain, groove=StraightTrack(replace(chain.bearing, mu_balls=mu)))
-
     def states_from_all_starts() -> Iterator[ChainMotion]:
         """Yield the states, in balance or not, to which the searches from all starts lead."""
         s = BalanceSearch(chain)
@@ -243,11 +228,11 @@ def find_second_equilibrium(chain: LinearBallChain, known: ChainMotion) -> Chain
         for force in (0.0, PRESSED):
             yield chain_motion_in_si_units(s, s.solve_at_falling_speeds(s.in_motion(alone), force * s.allowed, STEPS))
         for mu in (mu for mu in RISEN if mu > chain.mu_balls):
-            s = BalanceSearch(with_friction(mu))
+            s = BalanceSearch(replace(chain, mu_balls=mu))
             at = chain_motion_in_si_units(s, s.solve_by_path(alone))
             while mu > chain.mu_balls and at.converged and at.ball_force.max() > 0.0:
                 mu = max(mu * FALLING, chain.mu_balls)
-                at = solve_motion_of_chain(with_friction(mu), (at.q, at.ball_force), warm=True)
+                at = solve_motion_of_chain(replace(chain, mu_balls=mu), (at.q, at.ball_force), warm=True)
             if mu == chain.mu_balls:
                 yield at
 
@@ -367,54 +352,16 @@ def solve_pair_of_linear_balls(
     return LinearPairSolution(apart, together, velocity_deviations(bearing, apart))
 
 
-class ModelAndFormula(NamedTuple):
-    """One quantity by the numerical model and by a closed formula, for T angles theta and R side force ratios rho.
-
-    theta is the angle by which the contact angles on the bottom groove differ from the nominal one, rho the ratio of side
-    force to vertical force.
-    """
-
-    #: Quantity by the numerical model ``(T, R)``.
-    numerical: Array
-    #: Quantity by the closed formula ``(T, R)``.
-    formula: Array
-
-    @property
-    def error(self) -> Array:
-        """Error of the formula: its value less that of the numerical model ``(T, R)``, in the quantity's unit."""
-        return np.asarray(self.formula - self.numerical)
-
-
-@dataclass(frozen=True)
-class LinearPairResultsOverGrid:
-    """Results for two balls over a grid of T angles theta and R side force ratios rho (Lin Figures 3.14 and 3.15).
-
-    theta is the angle by which the contact angles on the bottom groove differ from the nominal one, rho the ratio of side
-    force to vertical force.
-    """
-
-    #: Angles theta by which the contact angles on the bottom groove differ from the nominal one ``(T,)`` [rad].
-    contact_angle_deviation: Array
-    #: Ratios of side force to vertical force ``(R,)``.
-    side_force_ratio: Array
-    #: Difference epsilon_1 - epsilon_2 of the relative deviations of the first and the second ball's velocities from the
-    #: nominal velocity, without ball-to-ball contact.
-    velocity_deviation_difference: ModelAndFormula
-    #: Force between the two balls [N].
-    force: ModelAndFormula
-    #: One plus the ratio of the loss between the balls to the loss at the grooves without ball-to-ball contact.
-    groove_and_ball_loss_ratio: ModelAndFormula
-    #: Number of solutions of the numerical model, without or with ball-to-ball contact, that did not converge.
-    unconverged_state_count: int
-
-
 def pair_results_over_grid(
     bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float
-) -> LinearPairResultsOverGrid:
-    """Return the results of numerical model and closed formulas for two balls, for T angles theta and R side force ratios.
+) -> tuple[Array, Array]:
+    """Return the results for two balls by the numerical model, then by closed formulas, over T angles theta and R ratios.
 
     The contact angles on the bottom groove differ from the nominal one by theta. The results are those in Figures 3.14 and
-    3.15 of Lin's thesis.
+    3.15 of Lin's thesis: difference epsilon_1 - epsilon_2 of the relative deviations of both balls' velocities from the
+    nominal velocity, without ball-to-ball contact; force between the balls [N]; one plus the ratio of the loss between the
+    balls to the loss at the grooves without ball-to-ball contact. Each array is ``(3, T, R)``; nan where the numerical
+    model did not converge.
 
     Parameters
     ----------
@@ -431,15 +378,15 @@ def pair_results_over_grid(
         formulas; c is the distance of the centre of rotation from the centre of the contact ellipse along its semi-axis
         a.
     """
-    values, failures = np.empty((3, 2, len(theta), len(rho))), 0
+    numerical, formula = np.full((2, 3, len(theta), len(rho)), np.nan)
     for i, j in np.ndindex(len(theta), len(rho)):
-        result = solve_pair_of_linear_balls(bearing, float(theta[i]), float(rho[j]), vertical)
-        failures += sum(not r.converged for r in (result.apart, result.touching))
-        losses = result.groove_and_ball_loss_ratio
-        values[:, 0, i, j] = result.velocity_deviation_difference, result.ball_to_ball_force, losses
-        values[:, 1, i, j] = pair_results_by_formulas(bearing, float(theta[i]), float(rho[j]), vertical, k_f)
-    difference, force, ratio = (ModelAndFormula(*both) for both in values)
-    return LinearPairResultsOverGrid(theta, rho, difference, force, ratio, failures)
+        at = bearing, float(theta[i]), float(rho[j]), vertical
+        result = solve_pair_of_linear_balls(*at)
+        if result.apart.converged and result.touching.converged:
+            losses = result.groove_and_ball_loss_ratio
+            numerical[:, i, j] = result.velocity_deviation_difference, result.ball_to_ball_force, losses
+        formula[:, i, j] = pair_results_by_formulas(*at, k_f)
+    return numerical, formula
 
 
 def pair_results_by_formulas(

@@ -55,24 +55,6 @@ NEGLIGIBLE = 1e-7
 
 
 @dataclass(frozen=True)
-class FrictionContacts:
-    """Ellipses, friction bounds and kinematics of the contacts of N balls with the grooves.
-
-    In each contact the axis x lies along the semi-axis a, z along the semi-axis b, and y along the normal into the
-    ball.
-    """
-
-    #: Semi-axes a >= b [m] and friction bound mu F [N] (coefficient of friction times load) of each contact, ``(N, 4, 3)``.
-    semi_axes_and_bound: Array
-    #: Sliding vx, vz [m/s] and spin [rad/s] at each contact per unit of the ball's motion (orbit and three spins [rad/s]),
-    #: ``(N, 4, 3, 4)``.
-    contact_motion_maps: Array
-    #: Sliding vx, vz [m/s] and spin [rad/s] at each contact while the ball is at rest and screw and nut move, ``(N, 4,
-    #: 3)``.
-    imposed_contact_motions: Array
-
-
-@dataclass(frozen=True)
 class BallChain(ABC):
     """Abstract class for N balls of one track, in the order of azimuth, with their contact loads.
 
@@ -90,15 +72,10 @@ class BallChain(ABC):
     #: they cannot touch. The last element is for the last ball and the first one of a closed track.
     allowed_closing_rate: Array
 
-    @property
-    @abstractmethod
-    def friction_contacts(self) -> FrictionContacts:
-        """Ellipses, friction bounds and kinematics of the contacts of all N balls with the grooves."""
-
-    @property
-    @abstractmethod
-    def mu_balls(self) -> float:
-        """Coefficient of friction between touching balls."""
+    #: Ellipses, friction bounds and kinematics of the contacts of all N balls with the grooves.
+    friction_contacts: FrictionalBodies
+    #: Coefficient of friction between touching balls.
+    mu_balls: float
 
     def contact_wrenches(self, pull: Array) -> Array:
         """Return force, then moment of friction on the balls at each contact, along x3, y3, z3 each ``(N, 4, 6)`` [N, N m].
@@ -124,19 +101,6 @@ class ScrewBallChain(BallChain):
     #: Grooves of screw and nut with their speeds.
     groove: screw_groove.ScrewGroove
 
-    @property
-    def friction_contacts(self) -> FrictionContacts:
-        """Ellipses, friction bounds and kinematics of the contacts of all N balls with the grooves."""
-        at = screw_motion.contact_ellipses_of_screw(self.groove, self.force)
-        maps, drives = self.groove.contact_kinematics(self.normals)
-        shape = np.stack([at.a, at.b, at.friction_bound], axis=1).reshape(-1, 4, 3)
-        return FrictionContacts(shape, maps, np.broadcast_to(drives, (*maps.shape[:2], 3)))
-
-    @property
-    def mu_balls(self) -> float:
-        """Coefficient of friction between touching balls."""
-        return self.groove.ball_to_ball_mu
-
     def input_power(self, wrench: Array) -> float:
         """Return the power [W] that the motions of screw and nut supply against friction.
 
@@ -144,6 +108,17 @@ class ScrewBallChain(BallChain):
         y3 (along the track), z3 (binormal) ``(N, 4, 6)`` [N, N m].
         """
         return screw_motion.power_of_helical_motion(self.groove, self.normals, wrench)
+
+
+def screw_ball_chain(groove: screw_groove.ScrewGroove, force: Array, normals: Array, slack: Array) -> ScrewBallChain:
+    """Return balls of equal size under given contact loads in the grooves of one screw and nut.
+
+    ``force`` ``(N, 4)`` [N], ``normals`` ``(N, 4, 3)``, ``slack`` ``(N,)`` [rad/s]: fields of `BallChain`.
+    """
+    at, (maps, drives) = screw_motion.contact_ellipses_of_screw(groove, force), groove.contact_kinematics(normals)
+    a, b, bound = (values.reshape(-1, 4) for values in (at.a, at.b, at.friction_bound))
+    contacts = FrictionalBodies(a, b, bound, maps, drives, np.zeros_like(a))
+    return ScrewBallChain(groove, force, normals, slack, contacts, groove.ball_to_ball_mu)
 
 
 @dataclass(frozen=True)
@@ -216,7 +191,7 @@ class BalanceSearch:
         loaded = total > NEGLIGIBLE * float(total.max())
         self.chain, self.count, self.loaded = chain, chain.force.shape[0], loaded
         self.units, self.speed, self.track = g.levers, g.speed_along_path, g.scaled
-        a, b, bound = np.moveaxis(contacts.semi_axes_and_bound, -1, 0)
+        bound = contacts.bound
         self.rubbing = bool(np.any(bound > 0.0))
         if not self.rubbing:
             bound = chain.force
@@ -229,12 +204,12 @@ class BalanceSearch:
             holding_stiffness=np.where(loaded, HOLD, HOLD_IDLE),
             can_touch_next=self.allowed,
             mu=self.mu,
-            a=a,
-            b=b,
+            a=contacts.a,
+            b=contacts.b,
             bound=bound * loaded[:, None] / self.bound,
-            contact_motion_maps=contacts.contact_motion_maps / self.units,
+            contact_motion_maps=contacts.maps / self.units,
             motion=np.zeros((self.count, 4)),
-            contact_motions=contacts.imposed_contact_motions / self.speed,
+            contact_motions=contacts.drives / self.speed,
             sliding_on_next=np.zeros((self.count, 2)),
             remaining_closing_rate=slack,
         )

@@ -21,7 +21,7 @@ from rollbench.lowfi.friction.contact.equilibrium import ContactLoadSolution
 from rollbench.lowfi.friction.contact.normal_force import ON_INNER, BallContactArrays, normal_forces
 from rollbench.lowfi.friction.screw import joint
 from rollbench.lowfi.friction.screw import motion as screw_motion
-from rollbench.lowfi.friction.screw.chain import SPEEDS, BalanceSearch, ChainMotion, ScrewBallChain, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.chain import SPEEDS, BalanceSearch, ChainMotion, screw_ball_chain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.groove import scaled_groove
 from rollbench.lowfi.friction.screw.joint import LoadsAndMotionSystem, LoadsAndMotionUnknowns
 from rollbench.lowfi.friction.screw.path import ON_PATH, PathPoint, follow_path
@@ -150,7 +150,7 @@ class _Scales(NamedTuple):
     ) -> _Scales:
         """Return the system scaled at the contact loads after displacements of balls and screw [m]."""
         at = normal_forces(arrays, ball, screw)
-        search = BalanceSearch(ScrewBallChain(cell.groove, at.force, np.insert(at.normal, 1, 0.0, axis=-1), slack))
+        search = BalanceSearch(screw_ball_chain(cell.groove, at.force, np.insert(at.normal, 1, 0.0, axis=-1), slack))
         return cls(cell, slack, arrays, search, loads_and_motion_system(arrays, cell, search))
 
     @property
@@ -301,7 +301,7 @@ def solve_coupled_chain(
             load = screw_motion.solve_screw_contact_loads(
                 replace(held, ball_friction_forces=push, screw_friction_forces=drag), place
             )
-        balls = ScrewBallChain(cell.groove, load.force, cell.groove.normals(load.angle), slack)
+        balls = screw_ball_chain(cell.groove, load.force, cell.groove.normals(load.angle), slack)
         moved = solve_motion_of_chain(balls, start)
         new_push, new_drag = screw_motion.friction_on_balls_and_screw(
             held, moved.wrench, moved.neighbour_forces[:, [0, 2]], coupling

@@ -8,20 +8,20 @@ right).
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rollbench.lowfi.hertz import contact_modulus, hertz_constants_as_printed
+from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants_as_printed
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.numerics import brentq
-from rollbench.meshes.parts import SIDE_SIGNS, Balls, Material, Nut, Scene, Screw, Track
+from rollbench.meshes.parts import SIDE_SIGNS, Balls, Errors, Material, Nut, Scene, Screw, Track
 from rollbench.meshes.record_keys import frozen_default, frozen_record
 from rollbench.meshes.surface import printed_principal_radii
 
@@ -141,7 +141,7 @@ class HelicalMotion:
     @cached_property
     def cross_product_matrices(self) -> Array:
         """Matrices M ``(4, 3, 3)`` with M v = t x v for each axis t in ``ball_rotation_axes`` and any vector v."""
-        return np.array([np.cross(t, np.eye(3)).T for t in self.ball_rotation_axes])
+        return np.ascontiguousarray(np.cross(self.ball_rotation_axes[:, None], np.eye(3)).swapaxes(1, 2))
 
 
 def contact_axes(normals: Array) -> Array:
@@ -155,18 +155,6 @@ def contact_axes(normals: Array) -> Array:
     axes[..., 1, 1] = 1.0
     axes[..., 2, :] = -normals
     return axes
-
-
-@dataclass(frozen=True)
-class GrooveHertzConstants:
-    """Hertz constants of the four contacts of a ball, from which approach and semi-axes follow at a contact force F."""
-
-    #: Constant C of the approach C F^(2/3) ``(4,)`` [m/N^(2/3)].
-    C: Array
-    #: Constant C_a of the semi-axis C_a F^(1/3) across the groove ``(4,)`` [m/N^(1/3)].
-    C_a: Array
-    #: Constant C_b of the semi-axis C_b F^(1/3) along the groove ``(4,)`` [m/N^(1/3)].
-    C_b: Array
 
 
 class ScaledTrack(NamedTuple):
@@ -235,7 +223,7 @@ class GroovesInMotion(HelicalMotion, TrackInMotion):
 
     @property
     @abstractmethod
-    def contact_hertz_constants(self) -> GrooveHertzConstants:
+    def contact_hertz_constants(self) -> HertzConstants:
         """Hertz constants of the contacts of a ball of nominal size at the nominal contact angle."""
 
     @cached_property
@@ -318,7 +306,7 @@ class ScrewGroove(GroovesInMotion):
         return self.groove_radius - self.ball_radius
 
     @cached_property
-    def contact_hertz_constants(self) -> GrooveHertzConstants:
+    def contact_hertz_constants(self) -> HertzConstants:
         """Hertz constants at the nominal contact angle, from the exact helicoids or with the errors of Lin's Table B.1."""
         steel = Material(self.young, self.poisson)
         scene = Scene(
@@ -329,16 +317,20 @@ class ScrewGroove(GroovesInMotion):
             Nut(0.05, 0.05, 4.0 * self.pitch_radius, self.groove_radius, steel),
             Balls(self.ball_radius, steel, (0.0,)),
         )
-        if self.hertz == "right":
-            h = hertz_without_errors(scene)
-            return GrooveHertzConstants(h.C, h.C_a, h.C_b)
-        drawn = draw_geometry_with_errors(scene, ball_layout(scene))
-        modulus = contact_modulus(self.young, self.poisson, self.young, self.poisson)
-        angle = np.full(1, self.contact_angle)
-        radii = [printed_principal_radii(scene, drawn, side, angle)[0] for side in (0, 3)]
-        two = [hertz_constants_as_printed(self.ball_radius, (float(r[0]), float(r[1])), modulus) for r in radii]
-        table = np.array([[h.C, h.C_a, h.C_b] for h in two])[[0, 0, 1, 1]]
-        return GrooveHertzConstants(*table.T)
+        return hertz_without_errors(scene) if self.hertz == "right" else printed_hertz_constants(scene)
+
+
+def printed_hertz_constants(scene: Scene) -> HertzConstants:
+    """Return the Hertz constants of the four flanks ``(4,)`` by Table B.1 of Lin's thesis, for parts without errors."""
+    bare = replace(scene, errors=Errors())
+    drawn, ball, rows = draw_geometry_with_errors(bare, ball_layout(bare)), scene.balls.material, []
+    for body, side in ((scene.screw, 0), (scene.nut, 3)):
+        steel = body.material
+        modulus = contact_modulus(ball.youngs_modulus, ball.poissons_ratio, steel.youngs_modulus, steel.poissons_ratio)
+        low, high = printed_principal_radii(bare, drawn, side, np.full(scene.ball_count, scene.track.contact_angle))[0]
+        found = hertz_constants_as_printed(scene.balls.radius, (float(low), float(high)), modulus)
+        rows += 2 * [(found.C, found.C_a, found.C_b, found.e)]
+    return HertzConstants(*np.array(rows).T)
 
 
 @dataclass(frozen=True)
@@ -493,8 +485,3 @@ def scaled_groove(groove: GroovesInMotion) -> ScaledGroove:
         track=groove.scaled,
         speed=speed,
     )
-
-
-def contiguous_floats(values: Array) -> Array:
-    """Return ``values`` as a contiguous array of floats."""
-    return np.ascontiguousarray(values, dtype=float)

@@ -71,16 +71,15 @@ def arrays_for_contact_loads(cell: BallsBetweenGrooves) -> BallContactArrays:
     start = cell.groove.groove_ball_centre_distance * np.stack(
         [screw_groove.SIGN_X * np.cos(cell.angle), screw_groove.SIGN_Z * np.sin(cell.angle)], axis=-1
     )
-    floats = screw_groove.contiguous_floats
     return BallContactArrays(
-        groove_to_ball_vectors=floats(start),
-        interference=floats(cell.interference),
-        C=floats(cell.groove.contact_hertz_constants.C),
-        inner_displacement_maps=floats(cell.section_displacement_maps),
-        given_inner_displacement=floats(cell.given_screw_displacement),
-        ball_forces=floats(cell.ball_friction_forces),
-        inner_body_forces=floats(cell.external_screw_force + cell.screw_friction_forces),
-        groove_ball_centre_distance=float(cell.groove.groove_ball_centre_distance),
+        groove_to_ball_vectors=start,
+        interference=cell.interference,
+        C=cell.groove.contact_hertz_constants.C,
+        inner_displacement_maps=cell.section_displacement_maps,
+        given_inner_displacement=cell.given_screw_displacement,
+        ball_forces=cell.ball_friction_forces,
+        inner_body_forces=cell.external_screw_force + cell.screw_friction_forces,
+        groove_ball_centre_distance=cell.groove.groove_ball_centre_distance,
     )
 
 
@@ -123,8 +122,7 @@ def solve_screw_contact_loads(
         + np.sum(np.abs(cell.ball_friction_forces))
     )
     begin = _starting_displacements(cell) if start is None else start
-    p, u = (screw_groove.contiguous_floats(displacements).copy() for displacements in begin)
-    settled = equilibrium.solve_contact_loads(arrays_for_contact_loads(cell), load, p, u, contact_angles)
+    settled = equilibrium.solve_contact_loads(arrays_for_contact_loads(cell), load, *begin, contact_angles)
     # from a distant start a nearly unloaded ball may creep along a flat energy
     return settled if settled.converged or start is None else solve_screw_contact_loads(cell)
 

@@ -162,48 +162,6 @@ def load_implied_by_ball_force(pair: Pair, force: float, increase: float) -> flo
     return 4.0 * float(np.exp(brentq(relative_loss_excess, np.log(1e-3), np.log(1e5), xtol=1e-10)))
 
 
-@dataclass(frozen=True)
-class ScrewPairResultGrid:
-    """Ball-to-ball force and friction increase of two balls for m oversizes of the balls and n forces on the screw.
-
-    The oversize of a ball's radius is its interference with screw and nut at each contact.
-    """
-
-    #: Ball-to-ball force ``(m, n)`` [N].
-    force: Array
-    #: Relative increase of the friction loss by ball-to-ball contact ``(m, n)``.
-    friction_increase: Array
-    #: Whether the solutions without and with ball-to-ball contact both converged ``(m, n)``.
-    converged: Array
-
-
-def results_over_oversize_and_force(pair: Pair, oversize: Array, axial: Array) -> ScrewPairResultGrid:
-    """Return ball-to-ball force and friction increase of two balls for m oversizes and n forces on the screw.
-
-    The forces on the screw have the same direction as that of ``pair``, which gives a force along each translation of
-    the screw.
-
-    Parameters
-    ----------
-    pair
-        Two balls of a screw, whose oversize and magnitude of the force are replaced by the given values.
-    oversize
-        Oversizes of the ball radius, which are the interference at each contact; negative for clearance ``(m,)`` [m].
-    axial
-        Magnitudes of the force on the screw, ``(n,)`` [N].
-    """
-    total = float(np.linalg.norm(pair.force)) or 1.0
-    forces = [tuple(f / total * float(a) for f in pair.force) for a in axial]
-    solved = [
-        [solve_pair_of_screw_balls(replace(pair, oversize=float(o), force=force)) for force in forces] for o in oversize
-    ]
-    force, increase, converged = (
-        np.array([[getattr(r, name) for r in row] for row in solved])
-        for name in ("force", "friction_increase", "converged")
-    )
-    return ScrewPairResultGrid(force, increase, converged)
-
-
 @frozen_record
 class Run:
     """Ball screw with the data for its simulation over time by `simulate`; azimuths are measured relative to the screw.

@@ -12,11 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from rollbench.lowfi.friction.screw import groove
-from rollbench.lowfi.friction.screw.chain import BallChain, ChainMotion, FrictionContacts, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.chain import BallChain, ChainMotion, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.travel import ClosedTrack
 from rollbench.lowfi.friction.whole import losses
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_result
 from rollbench.lowfi.friction.whole.torque import ONE_TURN, axial_forces_and_moments
+from rollbench.lowfi.hertz import HertzConstants
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array, Index, Mask
@@ -192,10 +193,10 @@ class SceneGrooves(losses.BallKinematics, groove.GroovesInMotion):
     #: Larger one of the coefficients of friction of the screw's and the nut's grooves.
     mu: float
     #: Hertz constants of the contacts, computed without geometric errors.
-    hertz: groove.GrooveHertzConstants = field(repr=False)
+    hertz: HertzConstants = field(repr=False)
 
     @property
-    def contact_hertz_constants(self) -> groove.GrooveHertzConstants:
+    def contact_hertz_constants(self) -> HertzConstants:
         """Hertz constants of the contacts without geometric errors."""
         return self.hertz
 
@@ -206,9 +207,8 @@ def grooves_of_scene(scene: Scene, friction: Friction, drive: Drive) -> SceneGro
     The coefficient of friction of the result is the larger one of the screw's and the nut's grooves. ``friction``:
     coefficients of friction; ``drive``: which part turns, screw or nut, and its angular speed.
     """
-    path, h = losses.ball_kinematics(scene, drive, scene.balls.radius), hertz_without_errors(scene)
-    constants = groove.GrooveHertzConstants(h.C, h.C_a, h.C_b)
-    return SceneGrooves(**asdict(path), mu=max(friction.screw, friction.nut), hertz=constants)
+    path = losses.ball_kinematics(scene, drive, scene.balls.radius)
+    return SceneGrooves(**asdict(path), mu=max(friction.screw, friction.nut), hertz=hertz_without_errors(scene))
 
 
 @dataclass(frozen=True)
@@ -219,20 +219,6 @@ class SceneBallChain(BallChain):
     groove: SceneGrooves
     #: Contact forces, angles and ellipses of the balls.
     static_contacts: StaticContacts
-    #: Ellipses, friction bounds and kinematics of the contacts of the same balls.
-    groove_contacts: FrictionContacts
-    #: Coefficient of friction between touching balls.
-    ball_to_ball_mu: float
-
-    @property
-    def friction_contacts(self) -> FrictionContacts:
-        """Ellipses, friction bounds and kinematics of the contacts of all N balls with the grooves."""
-        return self.groove_contacts
-
-    @property
-    def mu_balls(self) -> float:
-        """Coefficient of friction between touching balls."""
-        return self.ball_to_ball_mu
 
     def contact_wrenches(self, pull: Array) -> Array:
         """Return force, then moment of friction on the balls, along x3, y3, z3 each ``(N, 4, 6)`` [N, N m].
@@ -295,7 +281,7 @@ def solve_motion_on_track(
     """
     share, top = losses.relative_friction_coefficients(friction)
     rubs = losses.friction_contacts(scene, contacts, top * share, drive)
-    chain = SceneBallChain(grooves, contacts.force, contacts.normals, slack, contacts, rubs, friction.between_balls)
+    chain = SceneBallChain(grooves, contacts.force, contacts.normals, slack, rubs, friction.between_balls, contacts)
     motion = solve_motion_of_chain(chain, start, True)
     for rows in (motion.contact_motions, motion.contact_friction):
         losses.rotate_to_groove_axes(contacts, rows)

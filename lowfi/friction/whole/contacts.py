@@ -8,16 +8,14 @@ from functools import cached_property
 
 import numpy as np
 
-from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
-from rollbench.lowfi.hertz import contact_modulus, hertz_constants_as_printed
+from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z, printed_hertz_constants
 from rollbench.lowfi.statics import contacts as statics_contacts
 from rollbench.lowfi.statics.nominal import ContactLoads
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array, Index, Mask
 from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
 from rollbench.meshes.helix import BallLayout, ball_layout, nominal_groove_radii
-from rollbench.meshes.parts import Errors, Scene
-from rollbench.meshes.surface import printed_principal_radii
+from rollbench.meshes.parts import Scene
 
 #: Fraction of a ball's largest contact load from which the ellipses of its unloaded contacts are computed, so that their
 #: size is not zero.
@@ -180,8 +178,8 @@ def _ellipse_constants(scene: Scene, drawn: GeometryWithErrors, angle: Array) ->
     """
     kind, shape = scene.ingredients.hertz, angle.shape
     if kind == "as printed":
-        c_a, c_b = _printed_ellipse_constants(scene)
-        return np.broadcast_to(c_a, shape), np.broadcast_to(c_b, shape), np.ones(shape, dtype=bool)
+        h = printed_hertz_constants(scene)
+        return np.broadcast_to(h.C_a, shape), np.broadcast_to(h.C_b, shape), np.ones(shape, dtype=bool)
     if kind == "actual":
         h = statics_contacts.hertz_at_contact_angles(scene, drawn, angle)
         curvature = statics_contacts.relative_curvatures(scene, drawn, angle)
@@ -194,22 +192,3 @@ def _ellipse_constants(scene: Scene, drawn: GeometryWithErrors, angle: Array) ->
     profile = 1.0 / drawn.ball_radii[:, None] - 1.0 / nominal_groove_radii(scene)
     across = np.abs(curvature[..., 0] - profile) <= np.abs(curvature[..., 1] - profile)
     return np.broadcast_to(h.C_a, shape), np.broadcast_to(h.C_b, shape), np.broadcast_to(across, shape)
-
-
-def _printed_ellipse_constants(scene: Scene) -> tuple[Array, Array]:
-    """Return the Hertz constants of the long, then the short semi-axes ``(4,)`` [m/N^(1/3)] by Table B.1 of Lin's thesis.
-
-    ``scene``: the scene, whose random errors are left out.
-    """
-    bare = replace(scene, errors=Errors())
-    drawn = draw_geometry_with_errors(bare, ball_layout(bare))
-    gamma, ball = np.full(scene.ball_count, scene.track.contact_angle), scene.balls.material
-    rows = []
-    for body, side in ((scene.screw, 0), (scene.nut, 3)):
-        steel = body.material
-        modulus = contact_modulus(ball.youngs_modulus, ball.poissons_ratio, steel.youngs_modulus, steel.poissons_ratio)
-        low, high = printed_principal_radii(bare, drawn, side, gamma)[0]
-        constants = hertz_constants_as_printed(scene.balls.radius, (float(low), float(high)), modulus)
-        rows += 2 * [(constants.C_a, constants.C_b)]
-    table = np.array(rows)
-    return table[:, 0], table[:, 1]

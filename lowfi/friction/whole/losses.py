@@ -20,7 +20,6 @@ from rollbench.lowfi.friction.contact.least_dissipation import (
     LeastDissipation,
     least_dissipation_of_bodies,
 )
-from rollbench.lowfi.friction.screw.chain import FrictionContacts
 from rollbench.lowfi.friction.screw.groove import HelicalMotion
 from rollbench.lowfi.friction.screw.motion import friction_wrench_at_contacts
 from rollbench.lowfi.friction.whole.contacts import StaticContacts
@@ -167,10 +166,8 @@ def friction_of_groups(groups: Sequence[BallsUnderLoad], starts: Sequence[Array 
     bodies, begin = [], []
     for k, (balls, which) in enumerate(zip(groups, loaded, strict=True)):
         share, _ = relative_friction_coefficients(balls.friction)
-        rubs = friction_contacts(balls.scene, pressed[k], share, balls.drive)
-        a, b, bound = np.moveaxis(rubs.semi_axes_and_bound, -1, 0)
-        none, start = np.zeros((which.size, 4)), starts[k] if starts else None
-        bodies.append(FrictionalBodies(a, b, bound, rubs.contact_motion_maps, rubs.imposed_contact_motions, none))
+        bodies.append(friction_contacts(balls.scene, pressed[k], share, balls.drive))
+        start = starts[k] if starts else None
         begin.append(np.full((which.size, 4), np.nan) if start is None else start[which])
     found = _motions_of_distinct_bodies(bodies, begin)
     return [_friction_in_groove_axes(*of_group) for of_group in zip(groups, loaded, pressed, bodies, found, strict=True)]
@@ -251,7 +248,7 @@ def relative_friction_coefficients(friction: Friction) -> tuple[Array, float]:
 
 def friction_contacts(
     scene: Scene, contacts: StaticContacts, friction_coefficients: Array, drive: Drive
-) -> FrictionContacts:
+) -> FrictionalBodies:
     """Return ellipses, friction bounds and kinematics of all contacts, with x along the long semi-axis of each ellipse.
 
     ``contacts``: contact forces and ellipses; ``friction_coefficients``: coefficients of friction of the contacts with the
@@ -263,11 +260,8 @@ def friction_contacts(
     maps, drives = path.contact_kinematics(contacts.normals, contacts.ball_radius)
     for rows in (maps, drives):
         rows[~contacts.across] = _rotate_quarter_turn(rows[~contacts.across])
-    return FrictionContacts(
-        np.stack([contacts.a, contacts.b, friction_coefficients * contacts.force], axis=-1),
-        np.ascontiguousarray(maps),
-        np.ascontiguousarray(drives),
-    )
+    bound, none = friction_coefficients * contacts.force, np.zeros((len(maps), 4))
+    return FrictionalBodies(contacts.a, contacts.b, bound, maps, drives, none)
 
 
 def rotate_to_groove_axes(at: StaticContacts, values: Array) -> None:
@@ -297,14 +291,11 @@ def closing_speeds_of_neighbours(scene: Scene, contacts: StaticContacts, by_ball
     its angular speed.
     """
     path = ball_kinematics(scene, drive, scene.balls.radius)
-    count, starts = contacts.force.shape[0], scene.track.starts
-    closing = np.full(count, np.nan)
-    per_start = count // starts
-    for k in range(starts):
-        balls = np.arange(k * per_start, (k + 1) * per_start)
-        order = balls[np.argsort(contacts.layout.azimuth[balls], kind="stable")]
-        speed = by_ball.orbital_speed[order]
-        closing[order] = path.radius * (speed - np.roll(speed, -1))
-        if scene.track.lead != 0.0 or per_start == 1:
-            closing[order[-1]] = np.nan
-    return closing
+    azimuth, speed = (values.reshape(scene.track.starts, -1) for values in (contacts.layout.azimuth, by_ball.orbital_speed))
+    order = np.argsort(azimuth, axis=1, kind="stable")
+    speed = np.take_along_axis(speed, order, axis=1)
+    rate, closing = path.radius * (speed - np.roll(speed, -1, axis=1)), np.empty_like(speed)
+    if scene.track.lead != 0.0 or order.shape[1] == 1:
+        rate[:, -1] = np.nan
+    np.put_along_axis(closing, order, rate, axis=1)
+    return closing.ravel()

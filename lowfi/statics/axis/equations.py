@@ -417,7 +417,7 @@ def assembly_equations(
         bodies = BeamBodies(free, *sparse_frame(shaft, housings, (outer, inner)))
     elif backend is None:
         order = response.permutation_to_ball_by_ball_order(N, 2)
-        beam = statics_shaft.flank_compliance_and_free_motions(shaft, both)[0][np.ix_(order, order)]
+        beam = statics_shaft.flank_compliance(shaft, both)[np.ix_(order, order)]
         bodies = DenseBodies(free, Compliances(beam[None], (outer @ housings.motions_under_loads(outer.T))[None]))
     elif joined:
         raise ValueError(
@@ -544,7 +544,7 @@ def elastic_bodies(
     """
     N = len(shaft.problem.first_nodes)
     rigid_rings, order = np.zeros((4 * (N - arrays.ball_count),) * 2), response.permutation_to_ball_by_ball_order(N, 2)
-    beam = statics_shaft.flank_compliance_and_free_motions(shaft, [0, 1])[0]
+    beam = statics_shaft.flank_compliance(shaft, [0, 1])
     if coupling is not None:
         beam = beam + coupling.added_compliance
         free.v0[0, :, :2] += coupling.flank_motions_by_loads[order].reshape(N, 2, 2)
@@ -555,7 +555,7 @@ def elastic_bodies(
     normals[: arrays.ball_count] = np.concatenate([b.problem.contacts.normals for b in arrays.ball_sets])
     carriers = (beam[np.ix_(order, order)], normals[:, :2]), (outer @ housings.motions_under_loads(outer.T), normals[:, 2:])
     mended = (
-        response.ContactCompliance(G + block_diag(*(x[k] for x in own), rigid_rings), n.reshape(-1, 2))
+        response.contact_compliance(G + block_diag(*(x[k] for x in own), rigid_rings), n.reshape(-1, 2))
         for k, (G, n) in enumerate(carriers)
     )
     (first, on_inner, low), (second, on_outer, high) = (x.without_negative_eigenvalues(tangent) for x in mended)

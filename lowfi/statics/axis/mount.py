@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -33,23 +33,19 @@ TIED = diagonal_stiffness((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))
 
 
 @dataclass(frozen=True)
-class _PreloadTask:
-    """Input of the search for preload offsets: an assembly without loads, and the function that solves it.
+class PreloadShifts:
+    """Axial shifts of outer rings and nuts that press them onto their rolling elements with the prescribed preloads."""
 
-    It is the argument of the cached function `_find_axial_preload_shifts`; the same assembly and ``solver_identification``
-    give the cached result.
-    """
-
-    #: Assembly without loads and without thermal expansion.
-    unloaded: Assembly
-    #: Function that solves the assembly, with its arguments: part of the key under which the found offsets are cached.
-    solver_identification: tuple[object, ...]
-    #: Function that computes the equilibrium of an assembly.
-    solve_assembly: Callable[[Assembly], AxisResult] = field(compare=False)
+    #: Axial shifts [m]; empty if there is no equilibrium.
+    shifts: tuple[float, ...]
+    #: Notes for the report.
+    notes: tuple[str, ...] = ()
+    #: Kind, reason and cause of the status of preloads that are not reached; empty if they are.
+    failure: tuple[str, ...] = ()
 
 
 def replace_preload_forces_by_offsets(
-    assembly: Assembly, solve: partial[AxisResult]
+    assembly: Assembly, find_shifts: Callable[[Assembly], PreloadShifts]
 ) -> tuple[Assembly, tuple[str, ...], Status | None]:
     """Replace the preload forces of an assembly by axial offsets of outer rings and nuts that produce them.
 
@@ -60,8 +56,8 @@ def replace_preload_forces_by_offsets(
     ----------
     assembly
         Shaft with bearings and ball nuts.
-    solve
-        Function that solves an assembly.
+    find_shifts
+        Function that finds the offsets for an assembly without loads and without thermal expansion.
 
     Returns
     -------
@@ -74,9 +70,10 @@ def replace_preload_forces_by_offsets(
         return assembly, (), None
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
     bare = replace(assembly, loads=(), housings=idle, thermal_strain=0.0)
-    solver = solve.func, solve.args, *sorted(solve.keywords.items())
-    shift, notes, unmet = _find_axial_preload_shifts(_PreloadTask(bare, solver, solve))
-    return assembly if shift is None else _with_offsets_for_preload_forces(assembly, numbers, np.array(shift)), notes, unmet
+    found = find_shifts(bare)
+    failure: Any = found.failure
+    mounted = _with_offsets_for_preload_forces(assembly, numbers, np.array(found.shifts)) if found.shifts else assembly
+    return mounted, found.notes, Status(*failure) if failure else None
 
 
 def _sets_with_preload_force(assembly: Assembly) -> list[int]:
@@ -84,23 +81,21 @@ def _sets_with_preload_force(assembly: Assembly) -> list[int]:
     return [i for i, s in enumerate(assembly.sets) if s.preload > 0.0]
 
 
-@lru_cache(maxsize=4)
-def _find_axial_preload_shifts(task: _PreloadTask) -> tuple[tuple[float, ...] | None, tuple[str, ...], Status | None]:
+def find_axial_preload_shifts(bare: Assembly, solve: Callable[[Assembly], AxisResult]) -> PreloadShifts:
     """Find the axial shifts [m] of outer rings and nuts that press them onto their balls with the prescribed preloads.
 
     First the outer rings and nuts are free to slide along the axis and are pushed by their preload forces. As the energy is
     convex also in their positions, they come to rest where the preloads are reached, or the solution proves that there is
     no equilibrium. In this solution a ring or nut on a moving housing is joined to it by stiff springs instead of rigidly;
-    Newton's method on the logarithms of the forces corrects the shifts for that. The result is cached, since all load cases
-    of an assembly share it.
+    Newton's method on the logarithms of the forces corrects the shifts for that.
 
-    Returns
-    -------
-    tuple[tuple[float, ...] | None, tuple[str, ...], Status | None]
-        Axial shifts [m], None if there is no equilibrium; notes for the report; and a status with the reason if preloads
-        are not reached, else None.
+    Parameters
+    ----------
+    bare
+        Assembly without loads and without thermal expansion.
+    solve
+        Function that solves an assembly.
     """
-    bare, solve = task.unloaded, task.solve_assembly
     numbers = _sets_with_preload_force(bare)
     goal = np.log([bare.sets[i].preload for i in numbers])
 
@@ -116,7 +111,7 @@ def _find_axial_preload_shifts(task: _PreloadTask) -> tuple[tuple[float, ...] | 
     shift, status = _shifts_of_sliding_parts(bare, numbers, solve)
     if shift is None:
         why = f"preloads by force are not met at mounting: {status.reason}"
-        return None, (), Status(status.kind, why, "mounting")
+        return PreloadShifts((), (), (status.kind, why, "mounting"))
     value = log_force_ratios(shift)
     steps, slope = np.diag([DIFFERENCE * preload_shift_of_rigid_parts(bare.sets[i]) for i in numbers]), np.zeros((0, 0))
     for _ in range(STEPS):
@@ -138,8 +133,7 @@ def _find_axial_preload_shifts(task: _PreloadTask) -> tuple[tuple[float, ...] | 
     if not worst < TOLD:
         note += f"; the preload forces differ from the required ones by up to {100.0 * worst:.1e} %"
     reason = f"preload forces differ from the required ones by {100.0 * worst:.2g} % at the axial shifts {words}"
-    failed = Status("not converged", reason)
-    return tuple(shift), (note,), None if worst < FAILED else failed
+    return PreloadShifts(tuple(map(float, shift)), (note,), () if worst < FAILED else ("not converged", reason))
 
 
 def _shifts_of_sliding_parts(

@@ -7,9 +7,9 @@ solution touches them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from time import perf_counter
 
 import numpy as np
@@ -21,15 +21,17 @@ from rollbench.lowfi.statics.axis import summary
 from rollbench.lowfi.statics.axis import system as axis_system
 from rollbench.lowfi.statics.axis.equations import assembly_equations, grooved_shaft_section
 from rollbench.lowfi.statics.axis.held import pin_unrestrained_motions, status_of_runaway_assembly, unrestrained_motions
-from rollbench.lowfi.statics.axis.mount import replace_preload_forces_by_offsets
+from rollbench.lowfi.statics.axis.mount import PreloadShifts, find_axial_preload_shifts, replace_preload_forces_by_offsets
 from rollbench.lowfi.statics.axis.system import AssemblyArrays, BallSet, MountedState
 from rollbench.lowfi.statics.contacts import hertz_without_errors
+from rollbench.lowfi.statics.equilibrium import solve_alone
 from rollbench.lowfi.statics.problem import place_balls
 from rollbench.lowfi.statics.result import AxisResult, SolverReport, Status
 from rollbench.lowfi.statics.selection import groove_arc_motions_in_section_planes, solutions_clear_of_left_out_flanks
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
+from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.errors import GeometryWithErrors
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import Scene
@@ -199,12 +201,10 @@ def solve_assembly(assembly: Assembly, *, member: int = 0) -> AxisResult:
         If dimensions leave a part without material.
     """
     model = summary.AssemblyModel("lin", summary.AXIS_ASSUMPTIONS, (), None, None, True)
-    return solve_assembly_by_model(assembly, model, member, partial(solve_assembly, member=member))
+    return solve_assembly_by_model(assembly, model, member)
 
 
-def solve_assembly_by_model(
-    assembly: Assembly, model: summary.AssemblyModel, member: int, solve_same_model: partial[AxisResult]
-) -> AxisResult:
+def solve_assembly_by_model(assembly: Assembly, model: summary.AssemblyModel, member: int) -> AxisResult:
     """Compute the static equilibrium of an assembly by a model, and return forces, stiffness and motions.
 
     Parameters
@@ -215,9 +215,6 @@ def solve_assembly_by_model(
         Mechanical model.
     member
         Number of the specimen: each number gives other random errors.
-    solve_same_model
-        Function that solves another assembly by the same model. If preloads are prescribed as forces, it is used to find
-        the axial offsets of outer rings and nuts that produce them.
     """
     start = perf_counter()
 
@@ -226,7 +223,9 @@ def solve_assembly_by_model(
         report = SolverReport(0, 0, float("nan"), perf_counter() - start, 0, 0, "none")
         return AxisResult(model=model.name, status=status, solver=report, assumed=(*assembly.assumed, *model.assumed))
 
-    mounted, notes, unmet = replace_preload_forces_by_offsets(assembly, solve_same_model)
+    mounted, notes, unmet = replace_preload_forces_by_offsets(
+        assembly, lambda bare: _preload_shifts(bare, model.backend, model.name, member)
+    )
     if unmet:
         return result_without_equilibrium(unmet)
     places = axis_system.ball_positions_with_errors(mounted, member)
@@ -238,7 +237,7 @@ def solve_assembly_by_model(
             return result_without_equilibrium(Status("not held", loose.description))
         prepared = assembly_equations(pin_unrestrained_motions(system, loose), model.backend)
         ready = perf_counter()
-        prepared, outcome = settle.solve_with_updated_contacts(prepared)
+        prepared, outcome = solve_alone(settle.solve_with_updated_contacts(prepared))
         every = flanks_by_thrust_direction(mounted)
         good = settle.is_solve_accepted(outcome, prepared.round_off_residual())
         if all(map(np.array_equal, uses, every)):
@@ -287,10 +286,18 @@ def solve_assembly_with_elastic_bodies(
     if not assembly.ball_count:
         result = solve_assembly(assembly, member=member)
         return replace(result, model=name, left_out=(*result.left_out, *rigid))
-
-    again = partial(solve_assembly_with_elastic_bodies, member=member, backend=backend, name=name)
     model = summary.AssemblyModel(name, ASSUMPTIONS, rigid, backend, grooved_shaft_section(assembly, backend), False)
-    return solve_assembly_by_model(assembly, model, member, again)
+    return solve_assembly_by_model(assembly, model, member)
+
+
+@lru_cache(maxsize=4)
+@cached_on_disk(PreloadShifts)
+def _preload_shifts(bare: Assembly, backend: ComplianceModel | None, name: str, member: int) -> PreloadShifts:
+    """Return the shifts that preload an assembly without loads, from memory or disk, as all its load cases share them."""
+    solve: Callable[[Assembly], AxisResult] = partial(solve_assembly, member=member)
+    if backend is not None:
+        solve = partial(solve_assembly_with_elastic_bodies, member=member, backend=backend, name=name)
+    return find_axial_preload_shifts(bare, solve)
 
 
 def describe_rigid_rings(assembly: Assembly) -> tuple[str, ...]:

@@ -35,8 +35,6 @@ ROLLERS = (
     "rollers are slices with independent line contacts, so that the pressure peaks at straight ends are missing; rollers "
     "touch their ribs; rings do not bend"
 )
-#: Force [N] that is round-off in any assembly: without loads, motions of round-off leave such forces.
-NO_FORCE = 1e-15
 #: Share of the largest force in the model below which a contact force counts as zero: ten times the residual up to which a
 #: solution counts as converged.
 NOTHING = 10.0 * ACCEPTED
@@ -340,7 +338,7 @@ def _result_of_housing(
     forces = structure.load[row], wrench, *(s.force for s in sets if name in (s.of.housing, s.of.carrier))
     size = max(largest, *(float(np.abs(x[:3]).max()) for x in forces))
     left = max(float(np.abs(balance[:3]).max()), float(np.abs(balance[3:]).max()) / system.moment_arm)
-    return HousingResult(name, q[row].copy(), wrench, left / size if size > NO_FORCE else 0.0)
+    return HousingResult(name, q[row].copy(), wrench, left / size if size > summary.NO_FORCE else 0.0)
 
 
 def roller_warnings(set_result: SetResult, z: Array, motion: Array) -> tuple[ResultWarning, ...]:
