@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,9 +31,9 @@ def write_csv(table: Table, path: Path) -> None:
     """
     with open(path, "w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
-        heads = (f"{c.label} [{replace_um_by_micrometre(c.unit)}]" if c.unit else c.label for c in table.columns)
+        heads = (f"{c.label} [{replace_um_by_micrometre(c.unit)}]" if c.unit else c.label for c in table.heads.values())
         writer.writerow(escape_formula(head) for head in heads)
-        writer.writerows([_format_csv_cell(row.get(c.key)) for c in table.columns] for row in table.rows)
+        writer.writerows(map(_format_csv_cell, cells) for cells in zip(*table.columns.values(), strict=True))
 
 
 def format_cell(value: Cell, number_format: str = "g4") -> str:
@@ -137,35 +138,31 @@ def with_typographic_signs(text: str) -> str:
     return re.sub(r"(?<=\d) ?%", "\xa0%", text)
 
 
-def filled_columns_and_empty_headings(table: Table) -> tuple[list[TableColumn], list[str]]:
-    """Return the columns of a table that have a value in at least one row, and the headings of its empty columns."""
-    empty = [
-        c for c in table.columns if table.rows and all(_python_number(row.get(c.key)) in (None, "") for row in table.rows)
-    ]
-    return [c for c in table.columns if c not in empty], [c.label for c in empty]
-
-
-def is_number_column(column: TableColumn, table: Table) -> bool:
+def is_number_column(column: TableColumn, cells: Sequence[Cell]) -> bool:
     """Return whether all non-empty cells of a table column are numbers; such a column is right-aligned."""
     if column.format != "s":
         return True
-    cells = [_python_number(row.get(column.key)) for row in table.rows]
-    filled = [str(cell) for cell in cells if cell not in (None, "", "–")]
+    filled = [str(cell) for cell in map(_python_number, cells) if cell not in (None, "", "–")]
     return bool(filled) and all(map(_NUMBER.fullmatch, filled))
+
+
+def is_empty_cell(value: Cell) -> bool:
+    """Return whether a table cell has no value."""
+    return _python_number(value) in (None, "")
 
 
 def cell_text_and_css_classes(column: TableColumn, value: Cell, *, right_aligned: bool) -> dict[str, str]:
     """Return the text of a table cell and its CSS classes: ``align`` for the alignment, ``mark`` for a coloured label.
 
-    Only cells in the columns ``class`` and ``verdict`` have a label. ``right_aligned``: whether the column contains
-    numbers, which are right-aligned.
+    Only cells of columns with a mark have a label. ``right_aligned``: whether the column contains numbers, which are
+    right-aligned.
     """
     text = format_cell(value, column.format)
     align = "num" if right_aligned else "text long" if len(text) > LONG else "text short" if len(text) <= SHORT else "text"
     mark = ""
-    if column.key == "class" and value is not None:
+    if column.mark == "class" and value is not None:
         mark = "tag tag-" + (text if text in ("hard", "as-printed", "band", "open", "input") else "other")
-    elif column.key == "verdict" and value is not None:
+    elif column.mark == "verdict" and value is not None:
         mark = "verdict verdict-" + colour_class_of_verdict(text)
     return {"text": text, "align": f"{align} marked" if mark else align, "mark": mark}
 

@@ -5,8 +5,11 @@ The code that runs the models fills them; other modules of this package turn the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
+from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -27,10 +30,10 @@ Rows = Sequence[Sequence[float]] | NDArray[np.float64] | NDArray[np.int64]
 class TableColumn:
     """Column of a report's table: the quantity it shows, with heading, unit and number format.
 
-    On a web page, the values of columns with the keys ``class`` and ``verdict`` are shown as coloured labels.
+    Columns that tables share stand in ``columns.toml``. A table whose columns depend on its data makes its own.
     """
 
-    #: Key under which each row of the table has its value in this column.
+    #: Key of the column; of a column in ``columns.toml``, its name.
     key: str
     #: Heading of the column, without the unit.
     label: str
@@ -38,78 +41,109 @@ class TableColumn:
     unit: str = ""
     #: Number format: ``"g4"`` for 4 significant digits, ``"s"`` for text, or a format of Python such as ``".2f"``.
     format: str = "g4"
-    #: Function that takes a record and returns its value for this column, where rows are made from records.
-    value: Callable[[Any], Any] = field(default=lambda _: None, compare=False)
+    #: Which coloured label a page shows: ``"class"``, ``"verdict"``, or empty for none.
+    mark: str = ""
 
 
-def text_column(key: str, label: str) -> TableColumn:
-    """Return a table column of texts or whole numbers, which have no unit and are shown unchanged."""
-    return TableColumn(key, label, "", "s")
+#: Column of a table: its name in ``columns.toml``; where heading or format have places {}, a tuple of the name and the
+#: texts that stand there; or a column that is not in this file.
+ColumnKey = str | tuple[str, ...] | TableColumn
+#: Row of a table: the value of each column.
+Row = dict[ColumnKey, Cell]
 
 
-def load_percent_column(key: str, label: str, number_format: str = ".2f") -> TableColumn:
-    """Return a table column of contact-load errors, changes or uncertainties in per cent of the mean contact load."""
-    return TableColumn(key, label, "% of mean load", number_format)
+@cache
+def _entries_of_columns() -> dict[str, dict[str, str]]:
+    """Return the entries of ``columns.toml`` by name of the column: heading, and where stated unit, format and mark."""
+    return tomllib.loads(resources.files("rollbench.reports").joinpath("columns.toml").read_text(encoding="utf-8"))
 
 
-#: Row of a table: the value of each column. A column that holds texts may be given by its heading alone, as a string.
-Row = dict[TableColumn | str, Cell]
+def table_column(key: ColumnKey) -> TableColumn:
+    """Return heading, unit and format of a column from ``columns.toml``.
+
+    ``key``: the column, as `ColumnKey`. Raises KeyError for a name that the file does not have.
+
+    Examples
+    --------
+    >>> column = table_column("peak_pressure")
+    >>> column.label, column.unit, column.format
+    ('peak pressure', 'MPa', '.0f')
+    """
+    if isinstance(key, TableColumn):
+        return key
+    name, *places = (key,) if isinstance(key, str) else key
+    entry = _entries_of_columns()[name]
+    heading, number_format = (text.format(*places) for text in (entry["heading"], entry.get("format", "s")))
+    return TableColumn(name, heading, entry.get("unit", ""), number_format, mark=entry.get("mark", ""))
+
+
+def axis_label(axis: ColumnKey) -> str:
+    """Return the label of a figure's axis: heading and unit of the column that it shows, as ``contact load / N``.
+
+    ``axis``: the column, as `ColumnKey`; a text that is no name in ``columns.toml`` is a label made from data.
+
+    Examples
+    --------
+    >>> axis_label("contact_load"), axis_label("load of ball 3 / N")
+    ('contact load / N', 'load of ball 3 / N')
+    """
+    if isinstance(axis, str) and axis not in _entries_of_columns():
+        return axis
+    column = table_column(axis)
+    return f"{column.label} / {column.unit}" if column.unit else column.label
 
 
 @dataclass(frozen=True)
 class Table:
-    """Table of a report, shown on a page and written as a CSV file.
+    """Table of a report, shown on a page and written as a CSV file: a title and columns of values.
 
-    Raises ValueError if two columns have the same heading and unit.
+    Raises KeyError for a column that ``columns.toml`` does not have, and ValueError for columns of different lengths or two
+    columns with the same heading and unit, which a CSV file could not distinguish.
     """
 
     #: Name of the table's CSV file, without the ending.
     name: str
     #: Title of the table.
     title: str
-    #: Columns: heading, unit and number format of each.
-    columns: Sequence[TableColumn]
-    #: Rows: the value of each column, by the column's key.
-    rows: Sequence[Mapping[str, Cell]]
+    #: Values of each column, in the order of the columns.
+    columns: Mapping[ColumnKey, Sequence[Cell]]
     #: Note printed below the table.
     note: str = ""
     #: Whether a page shows the table unfolded even if it is long.
     unfolded: bool = False
-    #: Keys of columns that are written to the CSV file but not shown on the page.
-    csv_only: Sequence[str] = ()
+    #: Columns that are written to the CSV file but not shown on the page.
+    csv_only: Sequence[ColumnKey] = ()
     #: Whether a page shows only title, note and link to the CSV file, and no rows.
     rows_csv_only: bool = False
 
     def __post_init__(self) -> None:
-        """Raise ValueError for two columns with the same heading and unit, which a CSV file could not distinguish."""
-        heads = [(column.label, column.unit) for column in self.columns]
+        """Raise ValueError for columns of different lengths, or two with the same heading and unit."""
+        if len(set(map(len, self.columns.values()))) > 1:
+            raise ValueError(f"table {self.name!r}: columns of different lengths; give each row a value or None")
+        heads = [(column.label, column.unit) for column in self.heads.values()]
         twice = {label for label, unit in heads if heads.count((label, unit)) > 1}
         if twice:
             got = f"several columns have the heading {', '.join(map(repr, sorted(twice)))} and the same unit"
             raise ValueError(f"table {self.name!r}: {got}; give each column a heading of its own")
 
+    @property
+    def heads(self) -> dict[ColumnKey, TableColumn]:
+        """Heading, unit and format of each column."""
+        return {key: table_column(key) for key in self.columns}
+
+    @property
+    def rows(self) -> list[Row]:
+        """Rows of the table: the value of each column."""
+        return [dict(zip(self.columns, cells, strict=True)) for cells in zip(*self.columns.values(), strict=True)]
+
     @classmethod
     def from_rows(
-        cls,
-        name: str,
-        title: str,
-        rows: Iterable[Mapping[TableColumn | str, Cell]],
-        note: str = "",
-        *,
-        unfolded: bool = False,
+        cls, name: str, title: str, rows: Iterable[Mapping[Any, Cell]], note: str = "", *, unfolded: bool = False
     ) -> Table:
-        """Make a table from rows whose keys are the columns: each key is a `TableColumn` or, for texts, a heading.
-
-        The columns are in the order in which they first appear in the rows.
-        """
-        listed = [{_as_table_column(q): value for q, value in row.items()} for row in rows]
-        columns = tuple(dict.fromkeys(q for row in listed for q in row))
-        return cls(name, title, columns, [{q.key: value for q, value in row.items()} for row in listed], note, unfolded)
-
-
-def _as_table_column(column_or_heading: TableColumn | str) -> TableColumn:
-    """Return a table column as a `TableColumn`; a plain text becomes the heading of a column of texts."""
-    return text_column(column_or_heading, column_or_heading) if isinstance(column_or_heading, str) else column_or_heading
+        """Make a table from rows, each with values by column; the columns are in the order in which they first appear."""
+        listed = list(rows)
+        keys = dict.fromkeys(key for row in listed for key in row)
+        return cls(name, title, {key: [row.get(key) for row in listed] for key in keys}, note, unfolded)
 
 
 @dataclass(frozen=True)
@@ -145,10 +179,10 @@ class Panel:
 
     #: Title of the panel.
     title: str
-    #: Label of the abscissa, with unit.
-    xlabel: str
-    #: Label of the ordinate, with unit.
-    ylabel: str
+    #: Column that the abscissa shows, or its label (see `axis_label`).
+    xlabel: ColumnKey
+    #: Column that the ordinate shows, or its label.
+    ylabel: ColumnKey
     #: Curves, bands and bars in the panel.
     series: Sequence[Series]
     #: Which axes are logarithmic: ``""``, ``"x"``, ``"y"`` or ``"xy"``.
@@ -333,6 +367,20 @@ class FieldPicture:
 
 
 @dataclass(frozen=True)
+class Picture:
+    """Picture that is drawn already."""
+
+    #: Name of the picture's file, without the ending.
+    name: str
+    #: Title of the picture.
+    title: str
+    #: Bytes of the PNG file; those of two machines may differ.
+    png: NDArray[np.uint8] = field(compare=False)
+    #: Caption below the picture.
+    caption: str = ""
+
+
+@dataclass(frozen=True)
 class PressurePanel:
     """Contour plot of the pressure in one contact, with the contact ellipse of Hertz's theory."""
 
@@ -406,8 +454,6 @@ class Summary:
     answers: Sequence[tuple[str, str]]
     #: Figure that shows the answer.
     figure: Figure
-    #: The figure that shows the answer, laid out for a narrow screen.
-    narrow: Figure
     #: Statements on what the answer covers.
     coverage: Sequence[str]
     #: Statements on the limits of the answer.
@@ -419,7 +465,7 @@ class Summary:
 
 
 #: What a section of a report may contain.
-Item = Text | Table | Figure | Sketch | LoadedScrew | FieldPicture | PressureMap
+Item = Text | Table | Figure | Sketch | LoadedScrew | FieldPicture | Picture | PressureMap
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import pickle
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from textwrap import fill
 from typing import Any
 
@@ -15,7 +16,7 @@ import numpy as np
 
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.exchange.mesh_files import VTK
-from rollbench.reports.content import FieldPicture, MeshPart
+from rollbench.reports.content import FieldPicture, MeshPart, Picture
 from rollbench.reports.figures import COLOURS
 from rollbench.reports.offscreen import draw_in_child_process, set_camera_and_lights
 from rollbench.reports.scene3d import SIZE
@@ -47,6 +48,17 @@ def draw_field_picture(picture: FieldPicture, path: str | Path) -> None:
         If this machine cannot draw; the message names the cause and the libraries to install.
     """
     draw_in_child_process("rollbench.reports.field3d", picture, path)
+
+
+def drawn_picture(picture: FieldPicture) -> Picture | FieldPicture:
+    """Return the drawn picture, without its meshes; the meshes themselves where this machine cannot draw them."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "picture.png"
+        try:
+            draw_field_picture(picture, path)
+        except RuntimeError:
+            return picture
+        return Picture(picture.name, picture.title, np.fromfile(path, np.uint8), picture.caption)
 
 
 def pyvista_grid_of_part(part: MeshPart) -> Any:

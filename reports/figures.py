@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression
 
 from rollbench.reports.cells import replace_um_by_micrometre
-from rollbench.reports.content import Figure, Panel, PressureMap, PressurePanel, Series
+from rollbench.reports.content import Figure, Panel, PressureMap, PressurePanel, Series, axis_label
 
 #: Colours of curves: the palette of Okabe and Ito, safe for colour blindness, without yellow and with dark tones first.
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#7B4EA3", "#E69F00", "#333333", "#56B4E9", "#CC79A7")
@@ -85,8 +85,10 @@ NARROW = 5.0
 LEVEL_NAMES = 8
 #: Height that each letter of a steeply written name needs below the abscissa [inches].
 STEEP = 0.055
-#: Width of a figure for a phone [inches].
-PHONE = 3.75
+#: Width of a figure that a phone shows in its full width, with letters that can be read there [inches].
+PHONE = 4.4
+#: Largest number of panels of a figure that is drawn once, for all screens, with its panels below each other.
+STACKED = 2
 #: Points within this share of a panel's width, from its left end, have their labels on their left; others on the right.
 LEFT = 0.4
 
@@ -218,8 +220,8 @@ def phone_figure(figure: Figure) -> Figure:
         replace(
             panel,
             title=wrap_label(panel.title, 44),
-            xlabel=wrap_label(panel.xlabel, 44),
-            ylabel=wrap_label(panel.ylabel, 32),
+            xlabel=wrap_label(axis_label(panel.xlabel), 44),
+            ylabel=wrap_label(axis_label(panel.ylabel), 32),
             series=[replace(series, label=wrap_label(series.label, 40)) for series in panel.series],
         )
         for panel in figure.panels
@@ -326,6 +328,9 @@ def draw_pressure_map(item: PressureMap) -> str:
     spans = [max(float(np.ptp(getattr(p, k))) for p in item.panels) for k in ("x", "y")]
     top = max(float(np.max(panel.values)) for panel in item.panels)
     levels = MaxNLocator(nbins=10, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, top)
+    width = item.width or _WIDTH[columns]
+    drawn = (width - 1.1) / columns - 0.7
+    above = [textwrap.fill(panel.text_above, int(72.0 * drawn / LETTER)) for panel in item.panels]
     with report_plot_style(item.name):
         canvas = Canvas(layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.05))
         FigureCanvasSVG(canvas)
@@ -334,17 +339,17 @@ def draw_pressure_map(item: PressureMap) -> str:
             first = canvas.axes[0] if canvas.axes else None
             axes = canvas.add_subplot(rows, columns, number, sharex=first, sharey=first)
             filled = _draw_contours(axes, panel, levels, item)
+            _write_above_panel(axes, panel.title, above[number - 1])
             axes.set_xlabel(item.xlabel)
             axes.set_ylabel(item.ylabel)
         canvas.colorbar(filled, ax=canvas.axes, label=item.colour_label, aspect=14 * rows, pad=0.02)
         legend = {
             name: handle for axes in canvas.axes for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)
         }
-        width = item.width or _WIDTH[columns]
         lines = len(legend) if width < NARROW else 1
         canvas.legend(list(legend.values()), list(legend), loc="outside lower center", ncols=math.ceil(len(legend) / lines))
-        drawn = (width - 1.1) / columns - 0.7
-        canvas.set_size_inches(width, rows * (max(drawn * spans[1] / spans[0], 0.5) + 1.0) + 0.1 + 0.2 * lines)
+        height = max(drawn * spans[1] / spans[0], 0.5) + 0.85 + 0.15 * max(text.count("\n") + 1 for text in above)
+        canvas.set_size_inches(width, rows * height + 0.1 + 0.2 * lines)
         stream = io.StringIO()
         metadata = {"Date": None, "Creator": None, "Title": item.title}
         canvas.savefig(stream, format="svg", metadata=metadata, dpi=200)
@@ -352,11 +357,32 @@ def draw_pressure_map(item: PressureMap) -> str:
 
 
 def _svg_for_web_page(svg: str, name: str) -> str:
-    """Return an SVG document for a web page: with identifiers unique to this figure, common fonts, and um written as µm.
+    """Return an SVG document for a web page: short, with identifiers unique to this figure, and um written as µm.
 
     ``svg``: document that matplotlib wrote. ``name``: name of the figure. No file is written.
     """
-    return re.sub(r">[^<]+<", lambda text: replace_um_by_micrometre(text[0]), _prefix_identifiers(svg, name))
+    svg = re.sub(r"\s*<metadata>.*?</metadata>", "", svg.replace("'DejaVu Sans'", FONTS), flags=re.DOTALL)
+    svg = re.sub(r"<[^>]*>", lambda tag: _short_tag(tag[0]), _number_identifiers(svg, name))
+    svg = _styles_as_classes(re.sub(r"\n\s+", "\n", svg), name)
+    return re.sub(r">[^<]+<", lambda text: replace_um_by_micrometre(text[0]), svg)
+
+
+def _short_tag(tag: str) -> str:
+    """Return a tag of an SVG document in one line, with lengths rounded to a hundredth of a point."""
+    tag = re.sub(r"\d+\.\d{3,}", lambda number: f"{float(number[0]):.2f}".rstrip("0").rstrip("."), re.sub(r"\s+", " ", tag))
+    return re.sub(r'(?<= d=")[^"]*', lambda path: re.sub(r" ?([A-Za-z]) ?", r"\1", path[0]), tag)
+
+
+def _styles_as_classes(svg: str, name: str) -> str:
+    """Return an SVG document in which the styles of all elements are classes of a style sheet, for this document alone.
+
+    ``svg``: document without identifier; ``name``: name of the figure.
+    """
+    styles = {style: f"s{k}" for k, style in enumerate(dict.fromkeys(re.findall(r' style="([^"]*)"', svg)))}
+    svg = re.sub(r' style="([^"]*)"', lambda match: f' class="{styles[match[1]]}"', svg)
+    place = _prefix_of_identifiers(name)
+    sheet = "".join(f"\n#{place} .{short}{{{style}}}" for style, short in styles.items())
+    return svg.replace("<svg ", f'<svg id="{place}" ', 1).replace("</style>", f"{sheet}</style>", 1)
 
 
 def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureMap) -> Any:
@@ -381,11 +407,17 @@ def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureM
     axes.set_aspect("equal")
     axes.grid(visible=False)
     axes.set_facecolor("#eceef1")
-    axes.set_title(panel.title, pad=20 if panel.text_above else 7)
-    if panel.text_above:
-        where: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom"}
-        axes.annotate(panel.text_above, (0.0, 1.0), (0.0, 6.0), **where)
     return filled
+
+
+def _write_above_panel(axes: Any, title: str, text: str) -> None:
+    """Write the title of a panel and below it a text, whose length does not change the width of the panel.
+
+    ``axes``: axes of matplotlib. ``text``: lines of the text; empty: none.
+    """
+    axes.set_title(title, pad=9.0 + 11.0 * (text.count("\n") + 1) if text else 7.0)
+    where: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom"}
+    axes.annotate(text, (0.0, 1.0), (0.0, 6.0), in_layout=False, **where)
 
 
 def _style_numbers_of_curves(panels: Sequence[Panel]) -> list[dict[str, int]]:
@@ -420,8 +452,8 @@ def _draw_panel(axes: Any, panel: Panel, style_numbers: dict[str, int], *, steep
     for series in panel.series:
         _draw_series(axes, series, style_numbers[series.label])
     axes.set_title(panel.title, pad=7)
-    axes.set_xlabel(panel.xlabel)
-    axes.set_ylabel(panel.ylabel)
+    axes.set_xlabel(axis_label(panel.xlabel))
+    axes.set_ylabel(axis_label(panel.ylabel))
     values = {
         "x": np.concatenate([[], *(np.asarray(series.x, float) for series in panel.series)]),
         "y": np.concatenate([[], *(np.asarray(y, float) for s in panel.series for y in (s.y, *(s.error_bars or ())))]),
@@ -568,11 +600,18 @@ def _draw_legend_below(axes: Any, columns: int, lower: float = 0.0) -> int:
     return math.ceil(len(labels) / columns)
 
 
-def _prefix_identifiers(svg: str, name: str) -> str:
-    """Return an SVG document with the figure's name in front of every identifier, and with common web fonts.
+def _number_identifiers(svg: str, name: str) -> str:
+    """Return an SVG document whose identifiers are the figure's name and a number, without those that nothing refers to.
 
     ``svg``: document that matplotlib wrote. ``name``: name of the figure.
     """
-    prefix = re.sub(r"[^A-Za-z0-9_-]", "-", f"fig-{name}-")
-    svg = re.sub(r'(\bid="|href="#|url\(#)', lambda match: match.group(0) + prefix, svg)
-    return svg.replace("'DejaVu Sans'", FONTS)
+    prefix = _prefix_of_identifiers(name)
+    used = dict.fromkeys(re.findall(r'(?:href="#|url\(#)([^")]+)', svg))
+    number = {old: f"{prefix}-{k}" for k, old in enumerate(used)}
+    svg = re.sub(r' id="([^"]*)"', lambda match: f' id="{number[match[1]]}"' if match[1] in number else "", svg)
+    return re.sub(r'(href="#|url\(#)([^")]+)', lambda match: match[1] + number[match[2]], svg)
+
+
+def _prefix_of_identifiers(name: str) -> str:
+    """Return the beginning of all identifiers in the SVG document of the figure ``name``."""
+    return re.sub(r"[^A-Za-z0-9_-]", "-", f"fig-{name}")

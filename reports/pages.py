@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 import re
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
@@ -40,6 +40,8 @@ HOW = "how"
 
 #: References in a text to a table, figure or section of the report, by its name.
 _NAMED = re.compile(r"\b([Tt]ables?|[Ff]igures?|[Ss]ections?) ([a-z0-9][\w.-]*\w)")
+
+T = TypeVar("T", content.Figure, content.PressureMap)
 
 #: Function that is called with each line of progress.
 Progress = Callable[[str], None]
@@ -100,11 +102,11 @@ def write_pages(report: content.Report, folder: Path, show_progress: Progress) -
         of_page = {"page": page, "current": page["name"], "before": before, "after": after}
         heading = f"{page['title']} – {report.title}"
         text = environment.get_template("page.html.j2").render(**common, **of_page, heading=heading)
-        _write_text(folder / page["file"], text)
+        _write_page(folder / page["file"], text)
     summary = next((section.summary for section in report.sections if section.summary), None)
     first = None if summary is None else _summary_template_data(summary, writer)
     text = environment.get_template("index.html.j2").render(**common, summary=first, current="", heading=report.title)
-    _write_text(folder / "index.html", text)
+    _write_page(folder / "index.html", text)
     lines = ",\n".join(json.dumps(entry, ensure_ascii=False) for entry in writer.search_entries)
     _write_text(folder / SEARCH, f"window.rollbenchSearch = [\n{lines}\n];\n")
     if report.origin:
@@ -130,6 +132,11 @@ def _html_anchor_prefix(item: content.Item) -> str:
 def _write_text(path: Path, text: str) -> None:
     """Write a text file in UTF-8, with line feeds as line ends on every system."""
     path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _write_page(path: Path, text: str) -> None:
+    """Write an HTML page, without the indentation of its tags."""
+    _write_text(path, re.sub(r"\n\s+<", "\n<", text))
 
 
 def _page_template_data(page: content.Page, number: int, total: int, writer: _ReportWriter) -> dict[str, Any]:
@@ -203,21 +210,16 @@ def _searchable_text(record: Any) -> str:
     """
     if not isinstance(record, content.Table):
         return str(record.caption)
-    texts = [str(row[c.key]) for row in record.rows for c in record.columns if isinstance(row.get(c.key), str)]
-    return " ".join(dict.fromkeys([*(c.label for c in record.columns), record.note, *texts]))
+    texts = [cell for row in record.rows for cell in row.values() if isinstance(cell, str)]
+    return " ".join(dict.fromkeys([*(head.label for head in record.heads.values()), record.note, *texts]))
 
 
 def _summary_template_data(summary: content.Summary, writer: _ReportWriter) -> dict[str, Any]:
-    """Write the figures and tables of the report's first page to files, and return the data for its HTML template.
-
-    The data contain the summary's figure twice, for wide and for narrow screens.
-    """
-    wide, narrow = figures.draw_figure(summary.figure), figures.draw_figure(summary.narrow)
-    _write_text(writer.folder / "figures" / f"{summary.figure.name}.svg", wide)
+    """Write the figures and tables of the report's first page to files, and return the data for its HTML template."""
     text = " ".join((*summary.coverage, *summary.limits))
     writer.search_entries.insert(0, _search_index_entry(summary.question, "index.html", "page", text))
-    items = [_item_template_data(item, "index.html", writer) for item in summary.items]
-    return {"record": summary, "items": items, "wide": svg_as_html_element(wide), "narrow": svg_as_html_element(narrow)}
+    first, *items = [_item_template_data(item, "index.html", writer) for item in (summary.figure, *summary.items)]
+    return {"record": summary, "figure": first, "items": items}
 
 
 def _item_template_data(item: content.Item, page: str, writer: _ReportWriter) -> dict[str, Any]:
@@ -233,20 +235,30 @@ def _item_template_data(item: content.Item, page: str, writer: _ReportWriter) ->
     view |= dict.fromkeys(("file", "drawing", "narrow", "image", "missing", "turned"))
     name = f"figures/{item.name}"
     if isinstance(item, content.Figure | content.PressureMap | content.Sketch):
-        narrow = ""
         if isinstance(item, content.Sketch):
-            svg = sketch.draw_sketch(item)
+            drawn = [sketch.draw_sketch(item)]
         elif isinstance(item, content.Figure):
-            svg, narrow = figures.draw_figure(item), figures.draw_figure(figures.phone_figure(item))
+            drawn = [figures.draw_figure(form) for form in _forms(item, figures.phone_figure(item))]
         else:
-            svg = figures.draw_pressure_map(item)
-            narrow = figures.draw_pressure_map(replace(item, columns=1, width=figures.PHONE))
-        if narrow:
-            view["narrow"] = f"{name}-narrow.svg"
-            _write_text(writer.folder / view["narrow"], narrow)
-        _write_text(writer.folder / f"{name}.svg", svg)
-        return {**view, "file": f"{name}.svg", "drawing": svg_as_html_element(svg)}
+            phone = replace(item, columns=1, width=figures.PHONE)
+            drawn = [figures.draw_pressure_map(form) for form in _forms(item, phone)]
+        forms = dict(zip(("file", "narrow"), (f"{name}.svg", f"{name}-narrow.svg"), strict=True))
+        for form, svg in zip(forms, drawn, strict=False):
+            _write_text(writer.folder / forms[form], svg)
+            view[form] = forms[form]
+        return {**view, "drawing": "one" if len(drawn) == 1 and not isinstance(item, content.Sketch) else "wide"}
+    if isinstance(item, content.Picture):
+        item.png.tofile(writer.folder / f"{name}.png")
+        return view | {"file": f"{name}.png", "image": f"{name}.png"}
     return view | _picture_template_data(item, f"{name}.png", f"{page}#figure-{item.name}", writer)
+
+
+def _forms(item: T, phone: T) -> tuple[T, ...]:
+    """Return the forms in which a figure with panels is drawn: for a phone alone, or for a wide screen and for a phone.
+
+    ``item``: figure as laid out for a wide screen; ``phone``: the same figure with its panels in one column.
+    """
+    return (phone,) if len(item.panels) <= figures.STACKED else (item, phone)
 
 
 def _picture_template_data(
@@ -292,21 +304,28 @@ def table_template_data(table: content.Table, folder: Path) -> dict[str, Any]:
     or set in a narrower font.
     """
     reports_cells.write_csv(table, folder / "tables" / f"{table.name}.csv")
-    shown, empty = reports_cells.filled_columns_and_empty_headings(table)
-    shown = [c for c in shown if c.key != HOW and c.key not in table.csv_only]
-    numbers = [reports_cells.is_number_column(column, table) for column in shown]
-    numbered, cells = list(zip(shown, numbers, strict=True)), list[list[dict[str, str]]]()
-    heads = [{"label": c.label, "unit": c.unit, "align": "num" if number else "text"} for c, number in numbered]
+    heads = table.heads
+    empty = [key for key, cells in table.columns.items() if cells and all(map(reports_cells.is_empty_cell, cells))]
+    shown = [key for key in heads if key not in (*empty, *table.csv_only, HOW)]
+    numbers = [reports_cells.is_number_column(heads[key], table.columns[key]) for key in shown]
+    rows = list[list[dict[str, str]]]()
     for record in () if table.rows_csv_only else table.rows:
-        row = [reports_cells.cell_text_and_css_classes(c, record.get(c.key), right_aligned=n) for c, n in numbered]
+        row = [
+            reports_cells.cell_text_and_css_classes(heads[key], record[key], right_aligned=number)
+            for key, number in zip(shown, numbers, strict=True)
+        ]
         for cell in row:
             cell["link"] = str(record.get(HOW) or "") if cell["mark"].startswith("verdict") else ""
-        cells.append(row)
-    remark = f"Not shown, because without entries: {'; '.join(empty)}." if empty else ""
-    further = ", ".join(c.label for c in table.columns if c.key in table.csv_only)
+        rows.append(row)
+    remark = f"Not shown, because without entries: {'; '.join(heads[key].label for key in empty)}." if empty else ""
+    further = ", ".join(head.label for key, head in heads.items() if key in table.csv_only)
     note = "\n".join(filter(None, [table.note, remark, further and f"Only in the CSV file: {further}."]))
-    form = {"wide": len(shown) > WIDE, "folded": len(cells) > LONG and not table.unfolded}
-    return {"kind": "table", "table": table, "columns": heads, "rows": cells, "note": note, **form}
+    columns = [
+        {"label": heads[key].label, "unit": heads[key].unit, "align": "num" if number else "text"}
+        for key, number in zip(shown, numbers, strict=True)
+    ]
+    form = {"wide": len(shown) > WIDE, "folded": len(rows) > LONG and not table.unfolded}
+    return {"kind": "table", "table": table, "columns": columns, "rows": rows, "note": note, **form}
 
 
 #: Subfolders of a report, and the endings of the files in them.
@@ -350,6 +369,15 @@ def write_report(report: content.Report, out: Path, progress: Progress | None = 
         write_pages(report, folder, progress or (lambda _: None))
 
     return replace_report_folder(out, fill_folder) / "index.html"
+
+
+def replace_in_first_page(page: Path, old: str, new: str, origin: Mapping[str, object]) -> None:
+    """Replace a text on the first page of a written report, and write its manifest again.
+
+    ``page``: path of the first page; ``old``, ``new``: plain texts; ``origin``: inputs of the report for its manifest.
+    """
+    _write_text(page, page.read_text(encoding="utf-8").replace(str(escape(old)), str(escape(new))))
+    write_manifest(page.parent, origin)
 
 
 def replace_report_folder(out: Path, fill_folder: Callable[[Path], None]) -> Path:
@@ -409,7 +437,7 @@ def _check_report_names(report: content.Report) -> None:
         items = [item for item in section.items if not isinstance(item, content.Text)]
         named = [("table" if isinstance(item, content.Table) else "figure", item.name) for item in items]
         if section.summary:
-            named += [("figure", figure.name) for figure in (section.summary.figure, section.summary.narrow)]
+            named.append(("figure", section.summary.figure.name))
         for kind, name in [("section", section.name), *named]:
             if not _NAME.fullmatch(name):
                 raise ValueError(f"{kind} name {name!r} in the report: use letters, digits, dot, dash and underscore only")

@@ -236,6 +236,7 @@ def screw_and_nut_surfaces_by_colour(scene: Scene, coarsening: float, length_bey
 def _write_loaded_screw_picture(picture: LoadedScrew, path: str) -> None:
     """Draw a loaded screw and write the PNG file ``path``; runs in a child process of `draw_loaded_screw`."""
     import pyvista
+    from PIL import Image
 
     pyvista.OFF_SCREEN = True
     plotter = pyvista.Plotter(off_screen=True, window_size=SIZE, lighting="none")
@@ -254,8 +255,9 @@ def _write_loaded_screw_picture(picture: LoadedScrew, path: str) -> None:
     _draw_balls(plotter, picture)
     _draw_contact_forces(plotter, picture)
     _set_camera_and_axes(plotter, picture)
-    plotter.screenshot(path)
+    seen = Image.fromarray(plotter.screenshot(return_img=True))
     plotter.close()
+    seen.quantize(method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def _rounded_colour_limits(low: float, high: float) -> tuple[float, float, int]:

@@ -70,11 +70,11 @@
   };
 
   // a sign at tables that are wider than the page
-  const clip = () => document.querySelectorAll(".scroll, .drawing").forEach((box) => {
+  const clip = () => document.querySelectorAll(".scroll").forEach((box) => {
     list(box);
     box.parentElement.classList.toggle("more", box.scrollLeft + box.clientWidth < box.scrollWidth - 2);
   });
-  document.querySelectorAll(".scroll, .drawing").forEach((box) => box.addEventListener("scroll", clip, { passive: true }));
+  document.querySelectorAll(".scroll").forEach((box) => box.addEventListener("scroll", clip, { passive: true }));
   addEventListener("resize", clip);
   document.querySelectorAll("details").forEach((fold) => fold.addEventListener("toggle", clip));
   clip();
