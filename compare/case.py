@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.files import shipped_path
 
 #: Group of entry points by which other packages add cases.
 GROUP = "rollbench.cases"
@@ -41,6 +40,16 @@ class ReportPart:
     #: Package in which the module of ``maker`` is looked up.
     package: str = "rollbench.compare"
 
+    @property
+    def maker_module(self) -> str:
+        """Name of the module that makes the part."""
+        return f"{self.package}.{self.maker.partition(':')[0]}"
+
+    @property
+    def cases(self) -> list[Case]:
+        """Cases that the part may use: the one to which it belongs, or else all."""
+        return [case for case in all_cases() if case.package == self.package] or list(all_cases())
+
 
 @dataclass(frozen=True)
 class Case:
@@ -64,8 +73,15 @@ class Case:
     parts: tuple[ReportPart, ...] = ()
     #: Whether the first of two processes that make the report makes this page.
     in_first_process: bool = False
-    #: Function that returns the models (`compare.models.registry.Model`) with which the publication computes.
+    #: Models (`compare.models.model.Model`) with which the publication computes.
     models: str = ""
+    #: Kinds of scenes for which only friction is computed (`compare.scenes.kinds.FrictionSceneKind`), by name.
+    scene_kinds: str = ""
+    #: Functions that compute the friction of a scene of these kinds, by name of the kind.
+    friction: str = ""
+    #: How scenes of these kinds are solved as rolling balls (`compare.studies.rolling.cases.RollingOfKind`), by name of the
+    #: kind.
+    rolling: str = ""
     #: Function ``(cache, max_error)`` that returns checks of the gate.
     checks: str = ""
     #: Functions that solve a hard-to-solve scene, by name of the formulation of the equations, for the table of stability.
@@ -92,10 +108,19 @@ class Case:
         """Return the case's TOML files in its subfolder ``printed`` or ``scenes``, by file name without suffix."""
         return {path.stem: path for path in sorted(self.folder.joinpath(folder).rglob("*.toml"))}
 
+    @property
+    def modules(self) -> list[str]:
+        """Names of all modules of the case's package."""
+        paths = (path.relative_to(self.folder).with_suffix("") for path in sorted(self.folder.rglob("*.py")))
+        return [".".join((self.package, *path.parts)).removesuffix(".__init__") for path in paths]
+
+    def module_of(self, function: str) -> str:
+        """Return the name of the module with a function or other object of the case; ``function``: as ``module:name``."""
+        return f"{self.package}.{function.partition(':')[0]}"
+
     def import_object(self, function: str) -> Any:
         """Import and return a function or other object of the case's package; ``function``: its name ``module:name``."""
-        module, _, name = function.partition(":")
-        return getattr(import_module(f"{self.package}.{module}"), name)
+        return getattr(import_module(self.module_of(function)), function.partition(":")[2])
 
 
 #: Cases of rollbench, in the order of the report.
@@ -117,7 +142,10 @@ CASES = (
             ReportPart("friction-screw", "lin", "pages.friction:screw_section"),
         ),
         in_first_process=True,
-        models="models:models",
+        models="models:MODELS",
+        scene_kinds="kinds.table:KINDS",
+        friction="kinds.friction:SOLVERS",
+        rolling="kinds.rolling:ROLLING",
         checks="newton:check_against_energy_solver",
         formulations="newton:FORMULATIONS",
         stability="extremes:extreme_cases_text_and_table",
@@ -139,7 +167,7 @@ CASES = (
         "rollbench.compare.cases.liu",
         "page",
         in_first_process=True,
-        models="models:models",
+        models="models:MODELS",
         references="page:scenes_and_levels_to_solve_again_in_3d",
     ),
     Case(
@@ -192,25 +220,36 @@ def all_cases() -> tuple[Case, ...]:
     return (*CASES, *cases_of_other_packages())
 
 
+def modules_for_all_scenes() -> list[str]:
+    """Return the names of the modules with models and kinds of scenes of all cases, which are imported by these names."""
+    brought = ((case, (case.models, case.scene_kinds, case.friction, case.rolling)) for case in all_cases())
+    return [case.module_of(name) for case, names in brought for name in names if name]
+
+
+@cache
+def brought_by_cases(field: str) -> dict[str, Any]:
+    """Return what all cases bring in the field ``field`` of `Case`, such as "scene_kinds": one dictionary of theirs all."""
+    brought = [case.import_object(path) for case in all_cases() if (path := getattr(case, field))]
+    return {name: value for of_case in brought for name, value in of_case.items()}
+
+
 @cache
 def shipped_toml_files(folder: str) -> dict[str, Path]:
     """Return all TOML files of scenes or printed tables that are included with rollbench, by file name without suffix.
 
     ``folder``: "scenes" or "printed".
     """
-    files = {path.stem: path for path in shipped_path(folder).glob("*.toml")}
-    for case in CASES:
-        files |= case.files(folder)
-    return dict(sorted(files.items()))
+    root = Path(__file__).parent
+    files = (path for of in (folder, f"cases/*/{folder}/**") for path in root.glob(f"{of}/*.toml"))
+    return {path.stem: path for path in sorted(files, key=lambda path: path.stem)}
 
 
-def find_case_file(folder: str, name: str) -> Path | None:
-    """Return the file of the scene or printed table called ``name`` from the folder of any publication; None without one.
+def find_file_of_other_packages(folder: str, name: str) -> Path | None:
+    """Return the file of the scene or printed table called ``name`` from a case of another package; None without one.
 
     ``folder``: "scenes" or "printed".
     """
-    path = shipped_toml_files(folder).get(name)
-    return path or next((files[name] for case in cases_of_other_packages() if name in (files := case.files(folder))), None)
+    return next((files[name] for case in cases_of_other_packages() if name in (files := case.files(folder))), None)
 
 
 def case_files_named(name: str, cases: Iterable[Case] = CASES) -> dict[Case, Path]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import tomllib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cache
 from typing import Any
@@ -19,9 +19,10 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare import files
-from rollbench.compare.case import Case, all_cases, case_files_named
+from rollbench.compare.case import Case, all_cases, case_files_named, modules_for_all_scenes
 from rollbench.compare.errors import InputError
 from rollbench.compare.measure import error_percent
+from rollbench.compare.models.stored_study import Study
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import (
     KINDS,
@@ -155,14 +156,16 @@ class ComputedEntryValues:
 
     def __init__(self, table: str) -> None:
         """Read the numbers and claims of the printed table; InputError for an unknown table."""
-        self._entries = {row.key: PrintedEntryComparison(row) for row in load_printed_table(table)}
+        self._rows = {row.key: row for row in load_printed_table(table)}
         self.table = table
+        #: Values of fields of `PrintedEntryComparison`, by the keys of the table and by field.
+        self.values: dict[str, dict[str, Any]] = {}
 
     def _set_fields(self, key: str, **fields: float | bool | str | None) -> None:
         """Set fields of the record `PrintedEntryComparison` of the number or claim ``key``; KeyError for an unknown key."""
-        if key not in self._entries:
+        if key not in self._rows:
             raise KeyError(f"table {self.table} of a publication: no printed number or claim has the key {key!r}")
-        self._entries[key] = replace(self._entries[key], **fields)  # type: ignore[arg-type]
+        self.values[key] = self.values.get(key, {}) | fields
 
     def add_number(
         self,
@@ -233,7 +236,7 @@ class ComputedEntryValues:
 
     def comparisons(self) -> tuple[PrintedEntryComparison, ...]:
         """Return every number and claim of the printed table with its computed values and verdict, in the table's order."""
-        return tuple(self._entries.values())
+        return tuple(PrintedEntryComparison(row, **self.values.get(key, {})) for key, row in self._rows.items())
 
 
 def join_remarks(*texts: str) -> str:
@@ -274,9 +277,25 @@ class PrintedTableComputation:
 
         ``cache``: cache of computed values. InputError if the function that computes the values cannot be imported.
         """
+        rows = load_printed_table(self.table)
         if not self.function_path:
-            rows = load_printed_table(self.table)
             return tuple(PrintedEntryComparison(row, remark=self.scenes_or_reason(row)[1]) for row in rows)
+        if cache.stored_studies is None:
+            found = self.computed_values(cache)
+        else:
+            found = cache.stored_studies.value(cache, self.study)
+        return tuple(PrintedEntryComparison(row, **found.get(row.key, {})) for row in rows)
+
+    @property
+    def study(self) -> Study:
+        """How the values are computed, as a study whose value can be stored."""
+        return Study(self.table, (self.case.module_of(self.function_path), *modules_for_all_scenes()), self.computed_values)
+
+    def computed_values(self, cache: SceneResultCache) -> dict[str, dict[str, Any]]:
+        """Compute and return the values of fields of `PrintedEntryComparison`, by the keys of the table and by field.
+
+        ``cache``: cache of computed values. InputError if the function that computes the values cannot be imported.
+        """
         findings = ComputedEntryValues(self.table)
         try:
             function = self.case.import_object(self.function_path)
@@ -287,7 +306,7 @@ class PrintedTableComputation:
             allowed = f"module:function in {self.case.package}"
             raise InputError(place, self.table, str(error), allowed, "correct the name of the function") from error
         function(findings, cache)
-        return findings.comparisons()
+        return findings.values
 
     @property
     def function_name(self) -> str:
@@ -373,12 +392,15 @@ def evidence(cache: SceneResultCache, *names: str) -> list[PrintedEntryCompariso
     for name in names or computations_with_function():
         if name not in all_computations():
             load_printed_table(name)  # raises an error that lists the known tables
-        computation = all_computations()[name]
-        cache.record_used_scenes(computation.scene_names)
-        if name not in cache.evidence_by_table:
-            cache.evidence_by_table[name] = computation.compute(cache)
-        found += cache.evidence_by_table[name]
+        found += cache.compute_once(evidence_of_table, name)
     return found
+
+
+def evidence_of_table(cache: SceneResultCache, name: str) -> tuple[PrintedEntryComparison, ...]:
+    """Return the numbers and claims of the printed table ``name`` with their computed values, and record its scenes."""
+    computation = all_computations()[name]
+    cache.record_used_scenes(computation.scene_names)
+    return computation.compute(cache)
 
 
 @dataclass(frozen=True)

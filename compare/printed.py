@@ -10,7 +10,7 @@ from decimal import Decimal, InvalidOperation
 from functools import cache
 from typing import Any, Literal, cast
 
-from rollbench.compare.case import find_case_file, shipped_toml_files
+from rollbench.compare.case import find_file_of_other_packages, shipped_toml_files
 from rollbench.compare.errors import InputError
 
 Class = Literal["hard", "as-printed", "band", "open", "input"]
@@ -134,7 +134,7 @@ def load_printed_table(name: str) -> tuple[PrintedEntry, ...]:
 
     InputError for an unknown table, or if a row of its file is not valid.
     """
-    path = find_case_file("printed", name)
+    path = shipped_toml_files("printed").get(name) or find_file_of_other_packages("printed", name)
     if path is None:
         advice = "list the tables with: rollbench list"
         raise InputError("tables of publications", "name", f'"{name}"', ", ".join(printed_table_names()), advice)

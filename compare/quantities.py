@@ -7,8 +7,8 @@ quantities by `meshes.quantity`.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import fields, is_dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
 from functools import cache, reduce
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
@@ -83,9 +83,21 @@ def words_and_unit_of_key(key: str) -> tuple[str, str]:
     return name.replace("_", " "), "" if unit is None else unit.text
 
 
+@dataclass(frozen=True, kw_only=True)
+class Quantity(TableColumn):
+    """Quantity of a record: column of a table whose rows are records."""
+
+    #: Name of the record's field or property.
+    name: str
+    #: Description of the quantity at the field.
+    described: QuantityDescription
+    #: Function that takes a record and returns its value in the unit with which the JSON key ends.
+    value: Callable[[Any], Any]
+
+
 @cache
-def quantities_of_record(kind: type) -> dict[str, TableColumn]:
-    """Return a table column (heading, unit, format) for each field of the record class ``kind``, by the JSON key."""
+def quantities_of_record(kind: type) -> dict[str, Quantity]:
+    """Return a table column (heading, unit, format, value) for each field of the record class ``kind``, by the JSON key."""
     return {
         x.key: _quantity_of_field(name, x)
         for name, x in quantity_descriptions(kind)
@@ -93,10 +105,16 @@ def quantities_of_record(kind: type) -> dict[str, TableColumn]:
     }
 
 
-@cache
-def _optional_keys(kind: type) -> frozenset[str]:
-    """Return the JSON keys of the record class ``kind`` that are left out where the value is None."""
-    return frozenset(x.key for _, x in quantity_descriptions(kind) if x.optional)
+def quantities_of_instance(instance: Any) -> dict[str, Quantity]:
+    """Return the quantities of the record ``instance`` by the JSON key; none for None."""
+    kind: Any = type(instance)
+    return quantities_of_record(kind)
+
+
+def quantity_value(record: Any, key: str) -> Any:
+    """Return a quantity of a record in the unit of its key; None if the record is None or has no such quantity."""
+    stated = quantities_of_instance(record).get(key)
+    return None if stated is None else stated.value(record)
 
 
 def _unit_of_dotted_key(key: str) -> tuple[str, Unit | None]:
@@ -114,7 +132,7 @@ def heading_and_unit(stated: QuantityDescription) -> tuple[str, str]:
     return stated.heading or words.replace("_", " "), "" if unit is None else unit.text
 
 
-def _quantity_of_field(name: str, description: QuantityDescription) -> TableColumn:
+def _quantity_of_field(name: str, description: QuantityDescription) -> Quantity:
     """Return the quantity of a record's field: key, heading, unit, format, and function that gets its value for JSON.
 
     ``name``: name of the field; ``description``: description of the quantity in this field.
@@ -126,7 +144,8 @@ def _quantity_of_field(name: str, description: QuantityDescription) -> TableColu
         """Return the field ``name`` of the record ``holder`` as a JSON value, in the unit with which the JSON key ends."""
         return _in_key_unit(description.shown(getattr(holder, name)), factor)
 
-    return TableColumn(description.key, *heading_and_unit(description), description.form, value)
+    label, unit_text = heading_and_unit(description)
+    return Quantity(description.key, label, unit_text, description.form, name=name, described=description, value=value)
 
 
 @overload
@@ -141,14 +160,10 @@ def record_as_json(instance: Any, *without: str) -> dict[str, Any] | None:
     if instance is None:
         return None
     out: dict[str, Any] = {}
-    kind: Any = type(instance)
-    left_out = _optional_keys(kind)
-    for key, one in quantities_of_record(kind).items():
-        if key not in without:
+    for key, one in quantities_of_instance(instance).items():
+        if key not in without and not (one.described.optional and getattr(instance, one.name) is None):
             *tables, last = key.split(".")
-            value = one.value(instance)
-            if value is not None or key not in left_out:
-                reduce(lambda at, name: at.setdefault(name, {}), tables, out)[last] = value
+            reduce(lambda at, name: at.setdefault(name, {}), tables, out)[last] = one.value(instance)
     return out
 
 

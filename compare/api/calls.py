@@ -14,16 +14,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from rollbench.compare.errors import ArgumentError, show_file_in_scene_errors
-from rollbench.compare.results.data import Ensemble, Friction
+from rollbench.compare.results.data import Ensemble
+from rollbench.compare.results.friction import Friction
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
+from rollbench.compare.scenes.duty_cycle import Described, DutyCycle, FrictionScene
 from rollbench.compare.scenes.scene_file import scene_or_shaft_or_raise, scenes_to_solve
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.processes import limited_to_one_thread
 
 if TYPE_CHECKING:
-    from rollbench.compare.models.registry import ModelOptions
+    from rollbench.compare.models.model import ModelOptions
     from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.results.comparison import Comparison
     from rollbench.compare.results.load_curve import LoadCurve
@@ -154,7 +155,7 @@ def solve(
     >>> round(1e6 * float(result.displacement[2]), 1)  # of the section on which the load acts, along z, in um
     33.7
     """
-    from rollbench.compare.models.registry import ModelOptions
+    from rollbench.compare.models.model import ModelOptions
 
     options = ModelOptions(everything, member, condensed_bodies_file=None if condensed is None else Path(condensed))
     origin = str(scene) if isinstance(scene, (str, Path)) else ""
@@ -202,15 +203,15 @@ def solve_scene_record(
     from rollbench.compare.models.registry import default_model_name
     from rollbench.compare.results.solving import combine_load_cases, solve_with_results
 
-    def solve_case(scene: Scene | Assembly) -> Result:
-        """Solve one load case."""
-        with show_file_in_scene_errors(scene.name, name_for_messages or scene.name):
-            chosen = model or default_model_name(scene)
-            return solve_with_results(scene, chosen, options, stiffness_at, stiffness=stiffness)
-
-    cases = enumerate(scenes_to_solve(described, name_for_messages or described.name))
-    results = [result for _, result in solve_many(solve_case, {k: (scene,) for k, scene in cases})]
-    return combine_load_cases(described, results) if isinstance(described, DutyCycle) else results[0]
+    if isinstance(described, DutyCycle):
+        cases = {k: (case.scene, model, options, stiffness_at, name_for_messages) for k, case in enumerate(described.cases)}
+        solved = solve_many(partial(solve_scene_record, stiffness=stiffness), cases)
+        return combine_load_cases(described, [result for _, result in solved])
+    if isinstance(described, FrictionScene):
+        raise scene_file.friction_only_error(described, name_for_messages or described.name)
+    with show_file_in_scene_errors(described.name, name_for_messages or described.name):
+        chosen = model or default_model_name(described)
+        return solve_with_results(described, chosen, options, stiffness_at, stiffness=stiffness)
 
 
 @limited_to_one_thread()
@@ -249,7 +250,7 @@ def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, me
     >>> [round(1e6 * point.displacement, 1) for point in curve.points]
     [-22.4, -12.9, 0.0, 12.9, 22.3]
     """
-    from rollbench.compare.models.registry import ModelOptions
+    from rollbench.compare.models.model import ModelOptions
 
     origin = str(scene) if isinstance(scene, (str, Path)) else ""
     return load_curve_of_scene_record(_scene_record(scene), loads, model, ModelOptions(member=member), origin)
@@ -364,7 +365,7 @@ def side_by_side_of_scene_records(
         If there are fewer than two scenes, or the model does not cover one.
     """
     from rollbench.compare.models.many import solve_many
-    from rollbench.compare.models.registry import ModelOptions
+    from rollbench.compare.models.model import ModelOptions
     from rollbench.compare.results.side_by_side import compare_results_side_by_side
 
     if len(described) < 2:
@@ -387,7 +388,7 @@ def friction(scene: Described | str | Path, *, mu: float | Sequence[float] = (),
         Scene of any kind, as `read` returns it, its name, or the path of its file.
     mu
         Coefficient of friction in both grooves, or several of them, which replace the scene's. If several are given, the
-        fields of the result belong to the first; ``to_dict()["over_friction"]`` has a row for each.
+        fields of the result belong to the first; ``over`` has the torques for each.
     model
         Name of the model that computes the contact loads, as for `solve`.
 
@@ -416,7 +417,7 @@ def friction(scene: Described | str | Path, *, mu: float | Sequence[float] = (),
     coefficients = (mu,) if isinstance(mu, (Real, float, str)) else tuple(mu)
     for one in coefficients:
         _check_numbers(mu=one)
-    return solve.solve_friction_of_scene(described, FrictionChoices(model, coefficients), described.name).record
+    return solve.solve_friction_of_scene(described, FrictionChoices(model, coefficients), described.name)
 
 
 @limited_to_one_thread()
@@ -830,7 +831,7 @@ def _computing_settings() -> ComputingSettings:
 def _scene_record(scene: Described | str | Path) -> Described:
     """Return the record of a scene that is given as record, name or file."""
     if isinstance(scene, (str, Path)):
-        return read(scene)
+        return catalogue.scene_of_any_kind(str(scene))
     if hasattr(scene, "name") and hasattr(scene, "title"):
         return scene
     advice = "read a file by `read`, or make a scene by `new`"

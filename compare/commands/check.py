@@ -93,7 +93,7 @@ def judge_and_report(
     written = files.write(found.rows, [*above, *below])
     data: dict[str, Any] = found.to_dict()
     data |= {} if files.baseline is None else {"changed": [change.as_json() for change in changed]}
-    worst = [f"worst load case of {x['scene']}: {x['case']}, {x['verdict']}" for x in data.get("worst_cases", ())]
+    worst = [f"worst load case of {x.duty_cycle.name}: {x.load_case.name}, {one.word}" for x, one in found.worst_cases]
     table = format_table_as_text(found.table(), text_width(), found.headings)
     parts = [found.answer, *above, "", table, "", *worst, *below, *found.advice, *written]
     return CommandOutput(data, parts, CODES[found.judgement])

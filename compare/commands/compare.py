@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rollbench.compare.models.comparison import SceneWithReference
     from rollbench.compare.reference.estimate import Reference
     from rollbench.compare.reference.jobs import ComputingSettings
-    from rollbench.compare.results.compared import LoadsWithErrors, NutOrBearingComparison
+    from rollbench.compare.results.compared import ModelLoads, NutOrBearingComparison
     from rollbench.compare.results.comparison import ByCase
     from rollbench.compare.scenes.duty_cycle import DutyCycle, FrictionScene
     from rollbench.compare.studies.rolling.rows import RollingComparisonRow
@@ -124,8 +124,8 @@ def compare_and_report(
             yield from (format_table_as_text(answers, printing.text_width(), headings), "")
             yield from (model_errors_table(whole.models, whole.reference_loads), "")
             if verbose:
-                yield from (whole.uncertainty.uncertainty_text, f"rule of rollbench check: {RULE}")
-                yield from (*displacement_origin_lines(whole), *stored_times_lines(whole.models, whole.reference_loads))
+                yield from (whole.uncertainty.words, f"rule of rollbench check: {RULE}")
+                yield from displacement_origin_lines(whole)
             if balls:
                 yield from (contact_loads_table(one.scene, whole.models, one.reference), "")
             bodies = path_of_condensed_bodies(one.scene, one.reference, stores) if one.place_on_shaft is None else None
@@ -161,7 +161,7 @@ def compare_and_report(
     return printing.CommandOutput(json_output, terminal_parts(), code)
 
 
-def contact_loads_table(scene: Scene, models: Sequence[LoadsWithErrors], reference: Reference) -> Any:
+def contact_loads_table(scene: Scene, models: Sequence[ModelLoads], reference: Reference) -> Any:
     """Return the table, for the terminal, of the loads at every contact of a scene by models and reference.
 
     ``models``: loads by models and coarser meshes.
@@ -354,16 +354,16 @@ def displacement_origin_lines(comparison: NutOrBearingComparison) -> list[str]:
     ]
 
 
-def _model_table_cells(compared_loads: LoadsWithErrors) -> list[str]:
+def _model_table_cells(compared_loads: ModelLoads) -> list[str]:
     """Return the row of the table of models for one model or the reference, with the columns of `MODEL_COLUMNS`."""
     import numpy as np
 
     from rollbench.compare.measure import mean_load
 
-    e, solution, uz = compared_loads.error, compared_loads.contact_loads, compared_loads.axial_displacement
+    e, solution, uz = compared_loads.error, compared_loads.contact_loads, compared_loads.displacement
     loads, errors, time = solution.load[solution.load > 0.0], [""] * 4, ""
     if e is not None:
-        at, by_check = f"{e.ball} {e.side}".strip(), compared_loads.gate_error_percent
+        at, by_check = f"{e.ball} {e.side}".strip(), compared_loads.gate_error
         errors = [f"{e.max_percent:.2f}", at, f"{e.rms_percent:.2f}", f"{by_check:.2f}"]
     if solution.seconds and not solution.measured:
         time = f"{solution.seconds:.{0 if solution.seconds >= 10.0 else 2}f}"
@@ -378,7 +378,7 @@ def _model_table_cells(compared_loads: LoadsWithErrors) -> list[str]:
     ]
 
 
-def model_errors_table(models: Sequence[LoadsWithErrors], reference: LoadsWithErrors) -> RenderableType:
+def model_errors_table(models: Sequence[ModelLoads], reference: ModelLoads) -> RenderableType:
     """Return the table with a row for each model and coarser mesh and its errors, after a first row for the reference.
 
     ``models``: loads and errors of models and coarser meshes. ``reference``: loads of the reference.
@@ -386,20 +386,7 @@ def model_errors_table(models: Sequence[LoadsWithErrors], reference: LoadsWithEr
     return printing.plain_table(MODEL_COLUMNS, map(_model_table_cells, (reference, *models)), MODEL_COLUMNS[:1])
 
 
-def stored_times_lines(models: Sequence[LoadsWithErrors], reference: LoadsWithErrors) -> list[str]:
-    """Return lines with the computing times of stored runs, and the version and computer with which they were measured.
-
-    ``models``: results of models and coarser meshes. ``reference``: results of the reference. The table of models has only
-    times that were measured now.
-    """
-    by_stamp: dict[str, list[str]] = {}
-    for b in (reference, *models):
-        if b.contact_loads.seconds and b.contact_loads.measured:
-            by_stamp.setdefault(b.contact_loads.measured, []).append(f"{b.title} {b.contact_loads.seconds:.0f} s")
-    return [f"stored times, measured with {stamp}: {', '.join(times)}" for stamp, times in by_stamp.items()]
-
-
-def contact_load_rows(scene: Scene, models: Sequence[LoadsWithErrors], reference: Reference) -> list[dict[str, Any]]:
+def contact_load_rows(scene: Scene, models: Sequence[ModelLoads], reference: Reference) -> list[dict[str, Any]]:
     """Return a row for each loaded contact: load of the reference, its uncertainty, and loads of the models [N].
 
     ``models``: loads of models and coarser meshes, each (n, 4) [N] for n balls and four groove flanks.
@@ -417,7 +404,7 @@ def contact_load_rows(scene: Scene, models: Sequence[LoadsWithErrors], reference
     return rows
 
 
-def load_figure(name: str, models: Sequence[LoadsWithErrors], reference: Reference) -> Figure:
+def load_figure(name: str, models: Sequence[ModelLoads], reference: Reference) -> Figure:
     """Return the figure of contact loads over the ball number, with a panel for each loaded groove flank of the screw.
 
     ``name``: file name of the figure. ``models``: loads by models and coarser meshes; only those by models are drawn.
@@ -428,7 +415,7 @@ def load_figure(name: str, models: Sequence[LoadsWithErrors], reference: Referen
     from rollbench.meshes.parts import SIDES
     from rollbench.reports.content import Figure
 
-    panels, drawn = [], [b for b in models if b.label == OURS or is_model_name(b.label)]
+    panels, drawn = [], [b for b in models if b.name == OURS or is_model_name(b.name)]
     for s in (0, 1):
         if not (reference.load[:, s] > 0.0).any():
             continue
@@ -438,7 +425,7 @@ def load_figure(name: str, models: Sequence[LoadsWithErrors], reference: Referen
     return Figure(name, "Contact loads: prediction and reference", panels)
 
 
-def write_contact_loads(scene: Scene, models: Sequence[LoadsWithErrors], reference: Reference, store: Path) -> str:
+def write_contact_loads(scene: Scene, models: Sequence[ModelLoads], reference: Reference, store: Path) -> str:
     """Write the loads of all contacts (CSV) and their figure (SVG) to the folder ``store``.
 
     ``models``: loads of models and coarser meshes. Returns a line that names both files.
@@ -483,6 +470,5 @@ def rolling_comparison_table(name: str, rows: Sequence[RollingComparisonRow]) ->
         for r, x in zip(rows, known, strict=True)
     )
     table = printing.ruled_table(title, ["quantity", *(heading for _, heading, _ in ROLLING_COLUMNS)], cells, ["quantity"])
-    table.caption = f"time of the low-order model: {1e3 * rows[0].low_seconds:.2f} ms, measured now; of the 3D model on "
-    table.caption += f"the finest grid: {rows[0].seconds:.2f} s, measured with {rows[0].measured_with}"
+    table.caption = f"time of the low-order model: {1e3 * rows[0].low_seconds:.2f} ms"
     return table

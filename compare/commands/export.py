@@ -440,9 +440,11 @@ def _calculix_loads_table(scene: Scene, rows: Sequence[ContactLoadComparison]) -
     ``rows``: for each contact, the loads with their errors and uncertainties.
     """
     from rollbench.compare.studies.crosscheck.results import COLUMNS
+    from rollbench.reports.content import table_column
 
-    heads = {c.key: "\n".join((*c.label.split(", "), *([c.unit] if c.unit else ()))) for c in COLUMNS}
-    texts = ([format_cell(row.cells().get(c.key), c.format) for c in COLUMNS] for row in rows)
+    columns = {key: table_column(name) for name, key in COLUMNS.items()}
+    heads = {key: "\n".join((*c.label.split(", "), *([c.unit] if c.unit else ()))) for key, c in columns.items()}
+    texts = ([format_cell(row.cells().get(key), c.format) for key, c in columns.items()] for row in rows)
     title = f"{scene.name}: contact loads, those by CalculiX extrapolated to zero cell size (--json lists every mesh)"
     return ruled_table(title, heads.values(), texts, [heads["side"]])
 

@@ -14,7 +14,7 @@ from rollbench.compare.text.printing import CommandOutput, print_command_output,
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rollbench.compare.studies.friction.answer import FrictionAnswer
+    from rollbench.compare.results.friction import Friction
     from rollbench.compare.studies.friction.whole import FrictionChoices
 
 
@@ -101,37 +101,37 @@ def solve_and_report_friction(
         check_plot_file(plot)
     with watch_running_time(f"{one_line(name)}, friction", checked_time_limit(time_limit)):
         found = solve_friction_of_named_scene(name, choices)
-    record = found.record
-    code = 1 if not record.converged or (strict and record.warning) else 0
+    code = 1 if not found.converged or (strict and found.warning) else 0
     parts = friction_terminal_parts(found, balls=balls, details=details)
-    parts += [] if plot is None else [write_plot(plot, record)]
-    return CommandOutput(record.to_dict(), parts, code, wrap_always=True)
+    parts += [] if plot is None else [write_plot(plot, found)]
+    return CommandOutput(found.to_dict(), parts, code, wrap_always=True)
 
 
-def friction_terminal_parts(answer: FrictionAnswer, *, balls: bool = False, details: bool = False) -> list[RenderableType]:
+def friction_terminal_parts(found: Friction, *, balls: bool = False, details: bool = False) -> list[RenderableType]:
     """Return the texts and tables in which the terminal shows the friction in a scene.
 
-    ``answer``: the computed friction. ``balls``: also the table of all balls. ``details``: also explanations, force
+    ``found``: the computed friction. ``balls``: also the table of all balls. ``details``: also explanations, force
     balance, data of the solver, assumptions and neglected effects; without it, a line refers to --verbose.
     """
     from rollbench.compare.results.base import format_table_as_text
-    from rollbench.compare.results.rows import friction_rows
-    from rollbench.compare.studies.friction.answer import ALWAYS, BEHIND
+    from rollbench.compare.text.friction import ALWAYS, BEHIND, ball_tables, friction_lines, friction_tables
     from rollbench.compare.text.solved import warning_and_note_lines
 
-    found = answer.record
     drawn = "" if found.member is None else f", specimen {found.member} of its random errors"
     parts: list[Any] = [f"{found.scene}{drawn}, {found.kind}: {found.reason}", found.title]
     parts += [*filter(None, [found.warning])]
-    if rows := friction_rows(found):
+    if rows := found.rows():
         parts += ["", format_table_as_text(rows, text_width()), ""]
     if lines := [
-        f"{label:<10}{text}" for label, text in answer.lines if details or label in ALWAYS or not (rows or label in BEHIND)
+        f"{label:<10}{text}"
+        for label, text in friction_lines(found)
+        if details or label in ALWAYS or not (rows or label in BEHIND)
     ]:
         parts += ["", *lines, ""]
-    for title, columns, body in [*answer.tables, *(answer.ball_tables if balls else ())]:
+    of_balls = ball_tables(found)
+    for title, columns, body in [*friction_tables(found), *(of_balls if balls else ())]:
         parts += [selected_columns_table(title, columns, body), ""]
-    if answer.ball_tables and not balls:
+    if of_balls and not balls:
         parts.append("--balls also shows motion, loads and losses of every ball")
     warnings = [w for w in found.warnings if w.brief != w]  # without those that are printed above
     return [*parts, *warning_and_note_lines(warnings, (), found.assumed, found.left_out, details=details)]

@@ -12,8 +12,11 @@ from rollbench.compare.text.printing import CommandOutput, print_command_output,
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import ComputingSettings
+    from rollbench.compare.reference.store import Run
     from rollbench.compare.reference.tasks import Solvable
+    from rollbench.compare.results.mesh_study import MeshLevel
     from rollbench.compare.scenes.duty_cycle import FrictionScene
+    from rollbench.compare.studies.roller import RollerRun
 
 
 @app.command(name="mesh-study")
@@ -145,11 +148,25 @@ def study_mesh_levels(
             if figure is not None:
                 write_figure(Path(f"{stem}.svg"), figure)
         parts += [f"mesh study of {one.reference.scene}", ""]
-        parts += [table_of_records([x.as_json() for x in study.levels]), ""]
+        parts += [table_of_records(mesh_level_rows(study.levels, one.reference.runs)), ""]
         parts += [table_of_records(mesh_study_rows_for_terminal(study.quantities)), ""]
         parts += [*study.notes, *filter(None, [one.reference.unsettled])]
         parts.append(f"every contact: {stem}.csv and {reason_without_figure() or '.svg'}")
     return CommandOutput(tables, parts, exit_code_of_references(one.reference for one in references))
+
+
+def mesh_level_rows(levels: Sequence[MeshLevel], runs: Sequence[Run | RollerRun]) -> list[dict[str, Any]]:
+    """Return the rows of the table of mesh levels for the terminal; times measured with another version are None.
+
+    ``runs``: the run on each of the ``levels``.
+    """
+    from rollbench.compare.reference.store import shows_times_of
+
+    rows = [level.as_json() for level in levels]
+    for row, run in zip(rows, runs, strict=True):
+        if not shows_times_of(run.versions.get("rollbench", "")):
+            row.update(dict.fromkeys(row.keys() & {"seconds", "cpu_seconds", "measured_with"}))
+    return rows
 
 
 def are_all_roller_scenes(names: Sequence[str], unused_arguments: Mapping[str, bool], where: ComputeOptions | None) -> bool:
@@ -201,7 +218,7 @@ def study_single_rollers(names: Sequence[str], count: int | None, store: Path, *
                 write_csv(Path(f"{stem}.csv"), study.frame_rows())
                 write_csv(Path(f"{stem}-profile.csv"), study.profile)
             parts += [f"mesh study of {scene.name}: a roller of {', '.join(one.bearing_names)}", ""]
-            parts += [table_of_records([x.as_json() for x in study.levels]), ""]
+            parts += [table_of_records(mesh_level_rows(study.levels, runs)), ""]
             parts += [table_of_records(roller.roller_rows_for_terminal(study.quantities)), ""]
             parts += [*study.notes]
             parts.append(f"along the roller: {stem}-profile.csv")

@@ -45,6 +45,6 @@ def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
 @app.command
 def schema() -> None:
     """Print the JSON Schema of scene files of all kinds."""
-    from rollbench.compare.scenes.friction_kinds.table import scene_json_schema
+    from rollbench.compare.scenes.kinds import scene_json_schema
 
     print_json(scene_json_schema())

@@ -219,14 +219,16 @@ def _shipped_contents_json() -> dict[str, dict[str, Any]]:
     from rollbench.compare.models.registry import AXIS_MODELS, MODELS
     from rollbench.compare.models.user_models import entry_points_of_installed_models, origin_of_model
     from rollbench.compare.scenes import catalogue, makers
-    from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE
+    from rollbench.compare.scenes.duty_cycle import AXIS, WHOLE
 
     names_with_counts = Counter(part.maker for part in (*makers.nuts_in_catalogues(), *makers.bearings_in_catalogues()))
     titles = {name: catalogue.top_level_keys(name)["title"] for name in catalogue.scene_names()}
+    kinds = {name: catalogue.kind_of_shipped_scene(name) for name in titles}
     of_users = {name: origin_of_model(name) for name in entry_points_of_installed_models() if name not in MODELS}
     return {
         "scenes": {
-            k: {n: t for n, t in titles.items() if catalogue.kind_of_shipped_scene(n) == k} for k in (*WHOLE, AXIS, *KINDS)
+            kind: {name: title for name, title in titles.items() if kinds[name] == kind}
+            for kind in dict.fromkeys((*WHOLE, AXIS, *kinds.values()))
         },
         "models": {model.name: model.description for model in MODELS.values()},
         **({"models of other packages": of_users} if of_users else {}),

@@ -28,7 +28,6 @@ def report(
     stored: Flag = False,
     store: Path = Path("rollbench-reference"),
     fresh: Flag = False,
-    everything: Annotated[Flag, Parameter(name="--all")] = False,
     where: ComputeOptions | None = None,
     against: Path | None = None,
     reference: Path | None = None,
@@ -36,10 +35,11 @@ def report(
 ) -> int:
     """Write the validation report (HTML, tables as CSV, figures as SVG) or, if a scene is stated, a page on this scene.
 
-    The report uses the shipped runs of the 3D reference. One of them is recomputed and compared with the stored run; exit
-    code 1 if they do not agree. Sections that cannot be written on this computer are listed at the end, with what to
-    install for them. sha256sum -c SHA256SUMS, in the folder of the report, shows whether a file was changed. The page of a
-    scene has the results, their expected or measured error, the assumptions, and the hashes of all inputs.
+    The report uses the shipped runs of the 3D reference and shipped studies. One run, and 20 or more studies that the date
+    draws, are recomputed and compared with the stored ones; exit code 1 if they do not agree. Sections that cannot be
+    written on this computer are listed at the end, with what to install for them. sha256sum -c SHA256SUMS, in the folder
+    of the report, shows whether a file was changed. The page of a scene has the results, their expected or measured error,
+    the assumptions, and the hashes of all inputs.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def report(
         stored runs of the 3D reference; none is computed. For several scenes, a page on each is written, and a first page
         with a table of all results.
     only
-        Names of the sections to write. Default: all but the slow ones.
+        Names of the sections to write. Default: all.
     source
         Name of a publication, such as lin: write only its page, from stored runs.
     out
@@ -62,10 +62,7 @@ def report(
         Folder of the computed runs of the 3D reference, where an interrupted report resumes. Shipped runs are used if all
         their inputs are unchanged.
     fresh
-        Recompute all runs, even stored ones, and write all sections.
-    everything
-        Also write the slow sections: pictures, friction, rolling, verification, stability. Run times are those stored by
-        rollbench bench --long.
+        Compute everything again: all runs, even stored ones, all sections and run times.
     against
         Earlier report (with a scene: earlier page on this scene); the new one lists what changed since then.
     reference
@@ -94,7 +91,7 @@ def report(
         raise ArgumentError("reference", str(reference), "only together with a scene", "state the scene of these loads")
     from rollbench.compare.report.report import write_validation_report
 
-    kinds: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
+    kinds: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh}
     kinds |= {"source": source or "", "against": against}
     answer = write_validation_report(only or (), out, store=store, engine=engine_from_options(where, 2), **kinds)
     return open_written_page(print_command_output(answer), out / "index.html", open_page)
@@ -148,7 +145,7 @@ def view(
     from rollbench.compare.api.calls import solve_scene_record
     from rollbench.compare.errors import SceneNotCoveredError
     from rollbench.compare.files import check_writable, replace_file
-    from rollbench.compare.models.registry import ModelOptions
+    from rollbench.compare.models.model import ModelOptions
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.scenes import catalogue
     from rollbench.reports.view import MARKER

@@ -78,7 +78,8 @@ def solve_and_report(name: str, solve_options: SolveOptions) -> CommandOutput:
     """
     from rollbench.compare.api.calls import solve_scene_record
     from rollbench.compare.files import written_together
-    from rollbench.compare.models.registry import ModelOptions, default_model_name
+    from rollbench.compare.models.model import ModelOptions
+    from rollbench.compare.models.registry import default_model_name
     from rollbench.compare.results.solved import CycleResult
     from rollbench.compare.running import checked_time_limit, watch_running_time
     from rollbench.compare.scenes import catalogue
@@ -389,7 +390,7 @@ def solve_load_curve(name: str, text: str, solve_options: SolveOptions, csv_out:
     used.
     """
     from rollbench.compare.api.calls import load_curve_of_scene_record
-    from rollbench.compare.models.registry import ModelOptions
+    from rollbench.compare.models.model import ModelOptions
     from rollbench.compare.running import checked_time_limit, watch_running_time
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.text.solved import load_curve_parts

@@ -19,8 +19,9 @@ from rollbench.compare.models.answers import motion_of_unloaded_screw, results_o
 from rollbench.compare.models.comparison import ContactSolution, mesh_uncertainties, solution_from_run
 from rollbench.compare.models.loading import solve_with_scaled_loads
 from rollbench.compare.models.loads_file import CsvTable
+from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.model_form import axial_contact_force
-from rollbench.compare.models.registry import DEFAULT, ModelOptions, run_model
+from rollbench.compare.models.registry import DEFAULT, run_model
 from rollbench.compare.models.stiffness import place_of_displacement, place_text
 from rollbench.compare.quantities import name_and_unit_of_key, words_and_unit_of_key
 from rollbench.compare.reference.convergence import grid_convergence

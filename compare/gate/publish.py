@@ -150,7 +150,7 @@ def worst_ball_figure(o: Outcome) -> Figure:
         Series(o.judged, balls, loads, "line+markers"),
     )
     panel = Panel(
-        f"contacts on flank {o.side}", "number of the ball", "contact load / N", series, include_zero=True, integer_x=True
+        f"contacts on flank {o.side}", "number_of_ball", "contact_load", series, include_zero=True, integer_x=True
     )
     return Figure("worst-ball", _chart_title(o), (panel,))
 
@@ -280,16 +280,21 @@ class VerdictChange(NamedTuple):
     #: Present verdict; None if this quantity is no longer judged.
     after: RoundedVerdict | None
 
+    @property
+    def limit(self) -> str:
+        """Present limit with its unit as text, else the earlier one; empty if there is none."""
+        known = (row for row in (self.after, self.before) if row and row.limit is not None)
+        return next((number_cell_text(row.limit, row.unit) for row in known), "")
+
     def as_json(self) -> dict[str, Any]:
         """Return the change as a dictionary for JSON: scene, quantity, verdict and error before and after, limit."""
         rows = self.before, self.after
-        limits = [number_cell_text(row.limit, row.unit) for row in reversed(rows) if row and row.limit is not None]
         return {
             "scene": self.scene,
             "quantity": self.quantity,
             "verdict": [row and row.verdict for row in rows],
             "error": [row and row.error_text for row in rows],
-            "limit": limits[0] if limits else "",
+            "limit": self.limit,
         }
 
     def line(self) -> str:
@@ -303,9 +308,9 @@ class VerdictChange(NamedTuple):
         if before is None:
             return f"{head}: new, {after.verdict}"
         sizes = " -> ".join(dict.fromkeys(row.error_text or "no error" for row in (before, after)))
-        unit, limit = " %" if after.unit == "%" else "", self.as_json()["limit"]
+        unit = " %" if after.unit == "%" else ""
         words = f", {before.verdict} -> {after.verdict}" if before.verdict != after.verdict else ""
-        return f"{head} {sizes}{unit}{f', limit {limit}' if limit else ''}{words}"
+        return f"{head} {sizes}{unit}{f', limit {self.limit}' if self.limit else ''}{words}"
 
 
 def verdict_changes_since_file(path: Path, outcomes: Sequence[Outcome]) -> list[VerdictChange]:

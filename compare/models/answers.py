@@ -15,14 +15,8 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
 from rollbench.compare.measure import mean_load
 from rollbench.compare.models import loading
-from rollbench.compare.models.registry import (
-    MODELS,
-    ModelOptions,
-    model_by_name,
-    read_condensed_bodies,
-    run_model,
-    scene_key_of_error,
-)
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import MODELS, model_by_name, read_condensed_bodies, run_model, scene_key_of_error
 from rollbench.compare.models.set_results import SetResult, clearance_of_deep_groove
 from rollbench.compare.models.stiffness import NutStiffness
 from rollbench.lowfi.bearings import torque as bearings_torque
@@ -33,7 +27,7 @@ from rollbench.lowfi.rating.contacts import WorstContact
 from rollbench.lowfi.rating.displacement import motion_at
 from rollbench.lowfi.rating.iso_lives import modified_life
 from rollbench.lowfi.rating.life import Life, dynamic_rating
-from rollbench.lowfi.rating.rigidity import axial_force, three_axial_rigidities
+from rollbench.lowfi.rating.rigidity import AxialRigidities, axial_force, three_axial_rigidities
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.lowfi.statics.result import SetResult as SetOnShaft
@@ -243,9 +237,11 @@ def tangent_stiffness_at_nut(scene: Scene, model: str, options: ModelOptions) ->
     axial_stiffness = model_by_name(model).axial_stiffness
     if axial_stiffness is not None:
         axial = axial_stiffness(scene, options, 0.0)
+        if axial is None:
+            return None, ""
         along = np.full((6, 6), np.nan)
-        along[2, 2] = np.nan if axial is None else axial
-        return (None, "") if axial is None else (TangentStiffness(scene.nut.position, along, "converged"), "")
+        along[2, 2] = axial
+        return TangentStiffness(station=scene.nut.position, matrix=along, status="converged"), ""
     if TANGENT_OF.get(model, model) not in (*LADDER, "condensed"):
         return None, ""
     try:
@@ -294,10 +290,6 @@ def results_of_single(
         The results.
     """
     held = loading.preload_from_unloaded(scene, bare) if bare.converged else None
-    try:
-        three = three_axial_rigidities(scene, axial_force(result), stiffness.displacement)
-    except ValueError:
-        three = None
     friction, words = None, "no coefficient of friction given; rollbench friction takes 0.1"
     if scene.friction is not None:
         from rollbench.compare.models.friction_sums import friction_results_of_scenes  # heavy import
@@ -311,13 +303,24 @@ def results_of_single(
         balls=result,
         nominal_contacts=count_nominal_contacts(scene, result),
         nut=stiffness,
-        rigidities=three,
+        rigidities=_rigidities_by_formula(scene, axial_force(result), stiffness),
         preload=held,
         lift_off=lift_off,
         friction=friction,
         friction_words=words,
         bearing_torque=bearing_friction_torque(scene, scene, "deep groove", result, on_ring, found.worst),
     )
+
+
+def _rigidities_by_formula(parts: Scene, force: float, stiffness: NutStiffness) -> AxialRigidities | None:
+    """Return the axial rigidities of a nut or bearing row by the formulas of ISO 3408-4; None where they do not apply.
+
+    ``force``: axial force on it [N]; ``stiffness``: its displacement and stiffness by the model.
+    """
+    try:
+        return three_axial_rigidities(parts, force, stiffness.displacement)
+    except ValueError:
+        return None
 
 
 def load_step_stiffness(scene: Scene, model: str, options: ModelOptions) -> float | None:
@@ -510,6 +513,11 @@ def load_paths_by_body(
     return tuple(x for x in found if x is not None)
 
 
+#: Axial force on an unloaded nut or row, over the sum of its contact loads, up to which nothing on the shaft braces it: the
+#: formulas of rigidity know only the preload within a nut.
+FREE = 1e-6
+
+
 def results_of_set(
     assembly: Assembly,
     s: SetOnShaft,
@@ -551,11 +559,16 @@ def results_of_set(
         found = results_of_contact_loads(loaded, load, angle, member, None, turning, speed, s.of.name)
         torque = bearing_friction_torque(assembly, parts, s.of.thrust, s.balls, s.force, found.worst)
         found = replace(found, parts=parts, bearing_torque=torque)
+    rigidities = None
     if unloaded is not None:
         loads = unloaded.loads[unloaded.loads > 0.0]
         mean = mean_load(loads) if loads.size else 0.0
         preload = loading.Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(unloaded.force[2]))
-    return replace(found, balls=s.balls, on_shaft=s, nut=stiffness, preload=preload, lift_off=lift_off)
+        if isinstance(parts, Scene) and s.of.thrust != "deep groove" and abs(preload.axial) <= FREE * loads.sum():
+            rigidities = _rigidities_by_formula(parts, stiffness.force, stiffness)
+    return replace(
+        found, balls=s.balls, on_shaft=s, nut=stiffness, rigidities=rigidities, preload=preload, lift_off=lift_off
+    )
 
 
 def names_by_pressure(sets: Mapping[str, SetResult]) -> list[str]:

@@ -82,11 +82,6 @@ def _poissons_ratio_farthest_from_steel(scene: Scene) -> float:
     return max((m.poissons_ratio for m in ratios), key=lambda ratio: abs(ratio - 0.3))
 
 
-def _modulus_over_that_of_screw(part: str) -> Callable[[Scene], float]:
-    """Return a function that computes, for a scene, Young's modulus of ``part`` ("nut" or "balls") over the screw's."""
-    return lambda scene: getattr(scene, part).material.youngs_modulus / scene.screw.material.youngs_modulus
-
-
 #: Descriptors of a scene. The margins are assumptions of the order of the steps between the compared scenes. Young's moduli
 #: have no such step, because all parts of the compared scenes are of one steel. The nut's compliance causes most of the
 #: error of the model lin; this error grows by a quarter if the nut's modulus changes by its margin. The balls' modulus
@@ -112,8 +107,18 @@ DESCRIPTORS = (
     Descriptor("span of the shaft over its diameter", "", 3.0, _shaft_span_over_diameter),
     Descriptor("misalignment of the supports", "um", 300.0, _lateral_misalignment_of_supports),
     Descriptor("nut beyond the last balls over the ball's radius", "", 0.5, _nut_overhang_in_ball_radii),
-    Descriptor("Young's modulus of the nut over the screw's", "", 0.2, _modulus_over_that_of_screw("nut")),
-    Descriptor("Young's modulus of the balls over the screw's", "", 0.5, _modulus_over_that_of_screw("balls")),
+    Descriptor(
+        "Young's modulus of the nut over the screw's",
+        "",
+        0.2,
+        lambda s: s.nut.material.youngs_modulus / s.screw.material.youngs_modulus,
+    ),
+    Descriptor(
+        "Young's modulus of the balls over the screw's",
+        "",
+        0.5,
+        lambda s: s.balls.material.youngs_modulus / s.screw.material.youngs_modulus,
+    ),
     Descriptor("Poisson's ratio, the one farthest from 0.3", "", 0.05, _poissons_ratio_farthest_from_steel),
 )
 

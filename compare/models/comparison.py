@@ -20,7 +20,8 @@ from rollbench.compare import files
 from rollbench.compare.errors import InputError
 from rollbench.compare.measure import error_percent, load_error, load_scale_of_check_errors
 from rollbench.compare.models.loading import with_scaled_loads
-from rollbench.compare.models.registry import MODELS, Model, ModelOptions, run_model
+from rollbench.compare.models.model import Model, ModelOptions
+from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.compare.printed import printed_entry
 from rollbench.compare.quantities import json_number
 from rollbench.compare.reference.convergence import pooled_grid_uncertainty

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rollbench.lowfi.friction.whole.state import FrictionCase
 
 
-def friction_torques(sums: FrictionSums, drag_torque: float | None) -> dict[str, Any]:
+def friction_torques(sums: FrictionSums, drag_torque: float | None = None) -> dict[str, Any]:
     """Return the fields of `FrictionTorques` of a whole screw or bearing.
 
     ``sums``: its torques and efficiencies; ``drag_torque``: drag torque without load [N m], None if it is not known.
@@ -43,14 +43,6 @@ def friction_torques(sums: FrictionSums, drag_torque: float | None) -> dict[str,
     }
 
 
-def friction_results_json(sums: FrictionSums, drag_torque: float | None) -> dict[str, Any]:
-    """Return friction and driving torques [N mm], axial load [N] and efficiencies [%] as JSON values.
-
-    ``sums``, ``drag_torque``: see `friction_torques`.
-    """
-    return FrictionTorques(**friction_torques(sums, drag_torque)).torques_as_json()
-
-
 def motion_relative_to_load(torque: FrictionSums) -> str | None:
     """Return the text "with the load" or "against the load" for the axial motion of screw or nut; None without such motion.
 
@@ -71,7 +63,7 @@ def _friction_sums(cases: Sequence[FrictionCase]) -> list[FrictionSums]:
 
 def friction_results_of_scenes(
     solved: Sequence[tuple[Scene, Friction, StaticResult]], member: int
-) -> list[tuple[dict[str, Any] | None, str]]:
+) -> list[tuple[FrictionTorques | None, str]]:
     """Return friction torques and efficiencies of several scenes, which are cached on disk by scene and loads.
 
     Parameters
@@ -84,7 +76,7 @@ def friction_results_of_scenes(
     Returns
     -------
     list
-        For each scene the torques and efficiencies as JSON values, None if they are not determined; then why they are not
+        For each scene the torques and efficiencies, None if they are not determined; then why they are not
         available, with advice, else an empty text.
     """
     cases = [
@@ -92,7 +84,7 @@ def friction_results_of_scenes(
         for scene, friction, result in solved
     ]
     try:
-        return [(friction_results_json(sums, None), "") for sums in _friction_sums(cases)]
+        return [(FrictionTorques(**friction_torques(sums)), "") for sums in _friction_sums(cases)]
     except ValueError as error:
         if len(solved) == 1:
             return [(None, str(error))]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from rollbench.compare.quantities import quantities_of_record
+from rollbench.compare.quantities import quantities_of_instance
 from rollbench.meshes.quantity import quantity_field, result_record
 
 #: Keys of the torques of one screw or bearing, in the order of the JSON.
@@ -136,6 +136,5 @@ class FrictionTorques:
 
     def torques_as_json(self, keys: Sequence[str] = TORQUE_KEYS) -> dict[str, Any]:
         """Return those torques and efficiencies that ``keys`` name as JSON, in this order."""
-        kind: Any = type(self)
-        known = quantities_of_record(kind)
+        known = quantities_of_instance(self)
         return {key: known[f"torque.{key}"].value(self) for key in keys}

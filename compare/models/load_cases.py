@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.answers import parts_under_loads
+from rollbench.compare.models.friction_torques import FrictionTorques
 from rollbench.compare.models.loading import absolute_axial_preload
 from rollbench.compare.models.model_form import ExpectedError
 from rollbench.compare.models.set_results import LifeByLoads, SetResult
@@ -133,7 +134,7 @@ def with_friction_of_nuts(assembly: Assembly, sets: Mapping[str, SetResult], mem
         for name, s in sets.items()
         if isinstance(s.parts, Scene) and s.parts.track.lead and s.balls is not None
     }
-    found: list[tuple[dict[str, Any] | None, str]] = [(None, "no coefficient in [friction]")] * len(nuts)
+    found: list[tuple[FrictionTorques | None, str]] = [(None, "no coefficient in [friction]")] * len(nuts)
     if assembly.friction is not None:
         from rollbench.compare.models.friction_sums import friction_results_of_scenes  # heavy import
 
@@ -217,10 +218,10 @@ def _torque_on_shaft(assembly: Assembly, one: SetResult, sign: float) -> ShaftTo
     nut or bearing; ``sign``: -1 if the screw turns in the negative direction, else 1.
     """
     if one.kind == "ball nut":
-        if one.friction is None or one.friction["driving_torque_on_screw_Nmm"] is None:
+        if one.friction is None or one.friction.driving_torque_on_screw is None:
             words = one.friction_words or "the friction of the balls did not converge"
             return ShaftTorque(one.name, None, None, words=words)
-        torque = 1e-3 * sign * one.friction["driving_torque_on_screw_Nmm"]
+        torque = sign * one.friction.driving_torque_on_screw
         return ShaftTorque(one.name, (torque, torque), (torque, torque))
     ends: tuple[Band | None, Band | None] = (0.0, 0.0), (0.0, 0.0)
     lines = None if one.on_shaft is None else one.on_shaft.line_loads
@@ -507,13 +508,11 @@ def rating_life_over_duty_cycle(
     parts, shares = cycle.sets[set_name], cycle.revolution_shares
     rated: LifeByLoads | None
     if isinstance(parts, RollerRow):
-        equivalent = roller_life.damage_equivalent_line_loads(known, shares)
+        equivalent = rating_life.damage_equivalent_loads(known, shares, roller_life.TURNING)
         rated = iso_lives.roller_reference_life(parts, equivalent, turning)
     else:
         try:
-            basic = rating_life.basic_rating_life(
-                parts, rating_life.damage_equivalent_contact_loads(known, shares), turning
-            )
+            basic = rating_life.basic_rating_life(parts, rating_life.damage_equivalent_loads(known, shares), turning)
         except ValueError as error:
             return None, str(error)
         rated = basic if parts.track.lead else iso_lives.ball_reference_life(parts, basic, turning)

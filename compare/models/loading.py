@@ -11,7 +11,8 @@ from typing import Any, Generic, NamedTuple, TypeVar, overload
 import numpy as np
 
 from rollbench.compare.measure import mean_load
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.lowfi.rating.rigidity import approach_per_displacement, axial_force
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult, StaticSolution
@@ -35,8 +36,9 @@ TOLERANCE, FURTHEST, MOST = 0.005, 20.0, 16
 #: Beyond that factor the contact is open and its approach, from which the next step is computed, is not known.
 FAR, NEAR = 0.75, 0.8
 
-#: Share of the contact loads under load that loads without load have at most by round-off.
-ROUND_OFF = 1e-9
+#: Share of the contact loads under load up to which loads without load are none: parts that just touch keep such loads,
+#: because the energy of contacts that close by nothing is flat.
+TOUCHING = 1e-6
 
 #: Share of a root above which the solution that it is extrapolated from has to lie, and share of the root by which this
 #: solution may have moved it: what it left to extrapolate is some times less.
@@ -266,10 +268,7 @@ def find_lift_off_loads(solutions: SolutionsByLoad[Any]) -> tuple[LiftOff | None
     names = [s.name for s in scene.sets] if isinstance(scene, Assembly) else [""]
     if not has_loads(scene) or not unloaded.converged:
         return (None,) * len(names)
-    before = loads_of_sets(unloaded)
-    least = NOTHING * max(float(loads.sum()) for loads in before)
-    if result.converged:
-        least = max(least, ROUND_OFF * max(float(loads.sum()) for loads in loads_of_sets(result)))
+    before, least = loads_of_sets(unloaded), _least_preload(result, unloaded)
 
     def of_set(k: int) -> LiftOff | None:
         """Return the lift-off load of the nut or bearing with index ``k``."""
@@ -291,6 +290,17 @@ def find_lift_off_loads(solutions: SolutionsByLoad[Any]) -> tuple[LiftOff | None
         return LiftOff(found.factor, ball + 1, flank, found.factor * axial, found.solves, set=names[k])
 
     return tuple(map(of_set, range(len(names))))
+
+
+def _least_preload(result: StaticSolution, unloaded: StaticSolution) -> float:
+    """Return the sum of contact loads [N] of a nut or bearing up to which it counts as not preloaded.
+
+    ``result``, ``unloaded``: solutions with and without the loads.
+    """
+    least = NOTHING * max(float(loads.sum()) for loads in loads_of_sets(unloaded))
+    if result.converged:
+        least = max(least, TOUCHING * max(float(loads.sum()) for loads in loads_of_sets(result)))
+    return least
 
 
 class _ZeroOverLoads(NamedTuple):
@@ -381,9 +391,9 @@ def lost_preload_warnings(solutions: SolutionsByLoad[AxisResult]) -> Iterator[Re
     result, unloaded = solutions.result, solutions.at(0.0)
     if not has_loads(solutions.scene) or not unloaded.converged:
         return
-    sums = [float(loads.sum()) for loads in loads_of_sets(unloaded)]
+    sums, least = [float(loads.sum()) for loads in loads_of_sets(unloaded)], _least_preload(result, unloaded)
     for k, (now, bare, before) in enumerate(zip(result.sets, unloaded.sets, sums, strict=True)):
-        if not before > NOTHING * max(sums) or float(now.loads.sum()) >= LOST * before:
+        if not before > least or float(now.loads.sum()) >= LOST * before:
             continue
 
         def sum_of_loads_of_set(solution: StaticSolution, k: int = k) -> Array:

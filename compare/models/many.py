@@ -3,11 +3,10 @@
 Sweeps, tables, specimens, load curves, load cases, scenes side by side and the survey are spellings of `solve_many`.
 
 Results may be stored in a folder. It has a file that states the whole, and files with one line per row, which is appended
-when the row's batch is solved and never changed. Every process writes to a separate file, the lines of a batch in one call
-and each with a checksum. Whenever a process is killed, finished batches are therefore complete, and a torn line is
-recognised.
+when the row is solved and never changed. Every process writes to a separate file, the lines of a row in one call and each
+with a checksum. Whenever a process is killed, finished rows are therefore complete, and a torn line is recognised.
 
-Each run writes a token (random text) into the folder. A process that outlives its run stops after its batch, because the
+Each run writes a token (random text) into the folder. A process that outlives its run stops after its row, because the
 token in the folder is no longer that of its run. A new run waits, by a lock that each process holds while it solves, until
 such processes have stopped; only then does it read the folder, so that nothing is solved twice.
 """
@@ -18,7 +17,7 @@ import json
 import os
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic, perf_counter
@@ -57,8 +56,6 @@ def solve_many(
     *,
     noun: str = "",
     store: Store | None = None,
-    size: int = 1,
-    finish: Callable[[list[T]], None] = lambda _: None,
 ) -> Iterator[tuple[int, T]]:
     """Solve rows of inputs, and yield the number and the result of each as soon as it is available.
 
@@ -73,14 +70,10 @@ def solve_many(
     show_progress
         Function that is called with a line if the rows are solved faster without more processes.
     noun
-        Noun in the plural for the rows, such as "samples": with several processes, the first two batches are solved in this
+        Noun in the plural for the rows, such as "samples": with several processes, the first two rows are solved in this
         process, and the others, too, if that is faster than starting processes. Empty: processes are started at once.
     store
-        Folder in which the results, which are records then, are stored; None: none.
-    size
-        Number of rows that are solved and stored together.
-    finish
-        Function that completes the results of such a batch together.
+        Folder in which the results are stored, each of which is a record or a list of records then; None: none.
 
     Yields
     ------
@@ -93,13 +86,12 @@ def solve_many(
         If workers are lost.
     """
     numbers = list(rows)
-    batches = [numbers[k : k + size] for k in range(0, len(numbers), size)]
-    jobs = [(_solve_batch, (solve, [rows[n] for n in of], finish, store)) for of in batches]
+    jobs = [(_solve_row, (solve, rows[n], store)) for n in numbers]
     solved: Iterator[tuple[int, Any]] = ((k, job(*of)) for k, (job, of) in enumerate(jobs))
-    for batch, (results, stored) in solved if engine is None else _run_jobs(jobs, engine, show_progress, noun):
+    for k, (result, stored) in solved if engine is None else _run_jobs(jobs, engine, show_progress, noun):
         if store is not None and not stored:
-            store.append(results)
-        yield from zip(batches[batch], results, strict=True)
+            store.append(result)
+        yield numbers[k], result
 
 
 def in_order(results: Iterator[tuple[int, T]], numbers: Sequence[int]) -> Iterator[tuple[int, T]]:
@@ -114,24 +106,17 @@ def in_order(results: Iterator[tuple[int, T]], numbers: Sequence[int]) -> Iterat
             following = next(left, None)
 
 
-def _solve_batch(
-    solve: Callable[..., T], rows: Sequence[tuple[Any, ...]], finish: Callable[[list[T]], None], store: Store | None
-) -> tuple[list[T], bool]:
-    """Solve a batch of rows; return their results, and whether they were already appended to the folder.
+def _solve_row(solve: Callable[..., T], row: tuple[Any, ...], store: Store | None) -> tuple[T, bool]:
+    """Solve a row; return its result, and whether it was already appended to the folder.
 
-    A worker process that does not see the folder, or whose run is over, does not write there and only returns the results.
+    A worker process that does not see the folder, or whose run is over, does not write there and only returns the result.
     """
-    here = store is not None and store.is_of_current_run()
-    found: list[T] = []
-    with store.process_lock() if store is not None and here else nullcontext():
-        try:
-            for row in rows:
-                found.append(solve(*row))  # noqa: PERF401 - what is found stays when this is interrupted
-        finally:
-            finish(found)
-            if store is not None and here and found:
-                store.append(found)
-    return found, here
+    if store is None or not store.is_of_current_run():
+        return solve(*row), False
+    with store.process_lock():
+        found = solve(*row)
+        store.append(found)
+    return found, True
 
 
 def _run_jobs(
@@ -182,10 +167,10 @@ class Store:
         with FileLock(self.folder / LOCKS / _machine_and_process_name()):
             yield
 
-    def append(self, records: Sequence[Any]) -> None:
-        """Append records to the file of this process in one call; OSError if the disk does not take all of them."""
+    def append(self, result: Any) -> None:
+        """Append a record, or several, to the file of this process in one call; OSError if the disk does not take all."""
         path = self.folder / RECORDS / f"{self.token[:8]}-{_machine_and_process_name()}.lines"
-        lines = b"".join(map(record_as_checked_line, records))
+        lines = b"".join(map(record_as_checked_line, result if isinstance(result, list) else [result]))
         handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o644)
         try:
             if os.write(handle, lines) != len(lines):

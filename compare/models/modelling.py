@@ -15,7 +15,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -23,14 +22,14 @@ import numpy as np
 from rollbench.compare.measure import LoadError, error_percent, load_error, mean_load
 from rollbench.compare.models import model_form
 from rollbench.compare.models.comparison import REFERENCED, path_of_condensed_bodies
-from rollbench.compare.models.registry import DEFAULT, MODELS, ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import DEFAULT, MODELS, run_model
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
 from rollbench.compare.reference.levels import TWIST, VARIANTS, Kind, with_supports_turned_by_coupling
 from rollbench.compare.reference.store import Run, load_stored_run
 from rollbench.compare.scenes.catalogue import names_of_scenes_with_role
 from rollbench.lowfi.compliance.bodies import PARTS, CondensedCompliance
-from rollbench.lowfi.statics.response import clear_compliance_caches
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.static import solve_elastic
 from rollbench.meshes.arrays import Array
@@ -217,8 +216,6 @@ class RefinementStepResult:
     reference_uncertainty: float | None
     #: Relative difference of the sum of the contact loads from that of the 3D reference [%].
     load_sum_difference: float
-    #: Computing time in plain Python, without cached results of the same geometry and without import of libraries [s].
-    seconds: float
 
 
 def solve_refinement_sequence(scene: Scene, ref: Reference, stores: Sequence[Path] | None) -> list[RefinementStepResult]:
@@ -234,13 +231,10 @@ def solve_refinement_sequence(scene: Scene, ref: Reference, stores: Sequence[Pat
             if path is None:
                 continue
             options = replace(options, condensed_bodies_file=path)
-        clear_compliance_caches()
-        start = perf_counter()
         result = run_model(scene, model.name, options)
-        seconds = perf_counter() - start
         error, bias = load_error(result.load, ref.load, ref.contacts), error_percent(result.load.sum(), ref.load.sum())
         bar = largest_uncertainty_percent(ref)
-        rungs.append(RefinementStepResult(scene.name, model.name, result, error, bar, float(bias), seconds))
+        rungs.append(RefinementStepResult(scene.name, model.name, result, error, bar, float(bias)))
     return rungs
 
 

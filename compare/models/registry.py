@@ -7,10 +7,9 @@ another package registers itself by the entry point ``rollbench.models``.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
@@ -18,26 +17,18 @@ from rollbench.compare.case import CASES
 from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
 from rollbench.compare.files import similar_paths
 from rollbench.compare.models import programs, user_models
+from rollbench.compare.models.model import C_8, HALF_SPACES, Model, ModelOptions
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene, UnfitKey
 
 if TYPE_CHECKING:
     from rollbench.lowfi.compliance.bodies import CondensedCompliance
+    from rollbench.lowfi.statics.equilibrium import Solving
     from rollbench.lowfi.statics.result import AxisResult, StaticResult
 
-
-@dataclass(frozen=True)
-class ModelOptions:
-    """Options with which a low-order model is run."""
-
-    #: Whether the model also computes those of its terms that cannot change the contact loads of the scene.
-    include_ineffective_terms: bool = False
-    #: Number of the random draw of the scene's geometric errors, from 0; 0 without random errors.
-    member: int = 0
-    #: Whether the error due to the division of the screw into beam elements is estimated.
-    estimate_beam_mesh_error: bool = True
-    #: File with the stiffness of screw and nut condensed to the contacts, for the model "condensed"; None: no file.
-    condensed_bodies_file: Path | None = None
+#: Number of balls of a scene that is solved alone; of scenes with a tenth of it a hundred are solved together, in as much
+#: memory.
+LARGEST_TOGETHER = 400
 
 
 def _solve_lin(scene: Scene, options: ModelOptions) -> StaticResult:
@@ -122,64 +113,6 @@ def _solve_assembly_elastically(assembly: Assembly, options: ModelOptions, *, na
     return solve_assembly_with_elastic_bodies(assembly, member=options.member, backend=LADDER[name], name=name)
 
 
-def covers_any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of Model.covers_scene
-    """Return True for every scene: `Model.covers_scene` of models that cover all scenes with one nut or bearing row."""
-    return True
-
-
-def has_beam_screw(scene: Scene) -> bool:
-    """Return whether the options of the scene ask for a screw modelled as a beam instead of a rigid body."""
-    return scene.ingredients.screw == "beam"
-
-
-@dataclass(frozen=True)
-class Model:
-    """Low-order model: its name, description and solver, as commands, tables and the report use them."""
-
-    #: Name of the model on the command line.
-    name: str
-    #: Description of the model in the output of ``rollbench list``.
-    description: str
-    #: Name of the model in tables and figures.
-    label: str
-    #: Text on how the model describes the elasticity of screw, nut and balls.
-    elasticity_text: str
-    #: Function that solves a scene with one nut or bearing row.
-    solve_scene: Callable[[Scene, ModelOptions], StaticResult]
-    #: Function that solves a shaft with several nuts or bearing rows, or a text that says why the model cannot.
-    solve_assembly_or_reason: Callable[[Assembly, ModelOptions], AxisResult] | str = (
-        "it solves scenes with a single nut or bearing row only"
-    )
-    #: Function that returns whether the model covers a scene with one nut or bearing row.
-    covers_scene: Callable[[Scene], bool] = covers_any_scene
-    #: Whether ``rollbench compare`` shows the model by default.
-    compared: bool = False
-    #: Whether the model is run on the difficult scenes of the report's table of numerical stability.
-    solves_hard_scenes: bool = False
-    #: Modelling options (scene table [ingredients]) that distinguish this model from another one with the same solver.
-    ingredients: tuple[tuple[str, Any], ...] = ()
-    #: Position in the sequence of models from Lin's to the refined one, and what the model adds to the one before it; None:
-    #: the model is not in the sequence.
-    refinement_step: tuple[int, str] | None = None
-    #: Name of another model whose measured errors hold for this one, too; empty: none.
-    model_with_same_errors: str = ""
-    #: Function that returns the axial stiffness of the nut under the scene's load [N/m]: the secant over a load step [N],
-    #: or the tangent for a step of 0; None without load. Only a model without 6 x 6 tangent stiffness needs it.
-    axial_stiffness: Callable[[Scene, ModelOptions, float], float | None] | None = None
-
-    def scene_with_settings(self, scene: Scene) -> Scene:
-        """Return a copy of the scene with the modelling options (`Scene.ingredients`) that this model prescribes."""
-        return replace(scene, ingredients=replace(scene.ingredients, **dict(self.ingredients)))
-
-    def assembly_with_settings(self, assembly: Assembly) -> Assembly:
-        """Return a copy of the assembly whose nuts and rows all have the modelling options that this model prescribes."""
-        parts = [self.scene_with_settings(s.parts) if isinstance(s.parts, Scene) else s.parts for s in assembly.sets]
-        sets = tuple(replace(s, parts=p) for s, p in zip(assembly.sets, parts, strict=True))
-        return replace(assembly, sets=sets, ingredients=replace(assembly.ingredients, **dict(self.ingredients)))
-
-
-#: Parts of the texts on how models describe the elasticity of screw, nut and balls.
-C_8, HALF_SPACES = "screw a beam by equation C.8 of Lin's thesis, nut rigid, balls as half spaces", "balls as half spaces"
 _ALL = (
     Model(
         "refined",
@@ -188,6 +121,7 @@ _ALL = (
         "screw, nut and balls elastic, by kernels",
         partial(_solve_with_elastic_bodies, name="refined"),
         partial(_solve_assembly_elastically, name="refined"),
+        compliances="refined",
         compared=True,
         solves_hard_scenes=True,
         refinement_step=(4, "+ elastic grooved screw and nut, flanks and balls (the default)"),
@@ -199,6 +133,7 @@ _ALL = (
         C_8,
         _solve_lin,
         _solve_assembly_by_lin,
+        compliances="lin",
         compared=True,
         refinement_step=(1, "Lin's model: screw as a beam, rigid nut"),
     ),
@@ -209,6 +144,7 @@ _ALL = (
         C_8,
         _solve_lin,
         _solve_assembly_by_lin,
+        compliances="lin",
         compared=True,
         ingredients=(("partition", "source"),),
     ),
@@ -219,6 +155,7 @@ _ALL = (
         C_8,
         _solve_lin,
         'use the model lin, with hertz = "as printed" under [ingredients]',
+        compliances="lin",
         compared=True,
         ingredients=(("hertz", "as printed"),),
     ),
@@ -229,6 +166,7 @@ _ALL = (
         f"screw a beam with the cross-section of the grooved shaft, nut rigid, {HALF_SPACES}",
         partial(_solve_with_elastic_bodies, name="lin-cell"),
         partial(_solve_assembly_elastically, name="lin-cell"),
+        compliances="lin-cell",
         refinement_step=(2, "+ cross-section of the grooved shaft"),
     ),
     Model(
@@ -238,6 +176,7 @@ _ALL = (
         f"screw and nut beams with their grooved cross-sections, {HALF_SPACES}",
         partial(_solve_with_elastic_bodies, name="lin-nut"),
         partial(_solve_assembly_elastically, name="lin-nut"),
+        compliances="lin-nut",
         solves_hard_scenes=True,
         refinement_step=(3, "+ nut as a beam"),
     ),
@@ -250,7 +189,7 @@ _ALL = (
         "a file of condensed bodies contains one nut or bearing row",
         refinement_step=(5, "bodies from the condensed 3D model"),
     ),
-    *(model for case in CASES if case.models for model in case.import_object(case.models)()),
+    *(model for case in CASES if case.models for model in case.import_object(case.models)),
 )
 #: All models by name, in the order of tables.
 MODELS: dict[str, Model] = {m.name: m for m in _ALL}
@@ -301,6 +240,8 @@ def model_by_name(name: str, argument: str = "model", excluded_names: Sequence[s
     ArgumentError
         If there is no such model, its name is in ``excluded_names``, or `user_models.load_user_model` cannot load it.
     """
+    if name in MODELS and name not in excluded_names:
+        return MODELS[name]
     command = programs.is_program_command(name)
     others = () if command else user_models.entry_points_of_installed_models()
     names = [x for x in (*MODELS, *(x for x in others if x not in MODELS)) if x not in excluded_names]
@@ -312,8 +253,6 @@ def model_by_name(name: str, argument: str = "model", excluded_names: Sequence[s
         if programs.SCENE in name or programs.LOADS in name:
             advice = "state the command of a program by `model_command`: a name runs no program"
         raise ArgumentError(argument, f'"{name}"', ", ".join(names), advice)
-    if name in MODELS:
-        return MODELS[name]
     user_models.load_user_model(name)
 
     def run_users_model(scene: Scene, options: ModelOptions) -> StaticResult:
@@ -372,7 +311,12 @@ def run_model(scene: Scene | Assembly, name: str = "", options: ModelOptions | N
         random errors.
     """
     name, options = name or default_model_name(scene), options or ModelOptions()
-    run = _function_that_solves(scene, name)
+    run: Callable[[ModelOptions], StaticResult | AxisResult]
+    if isinstance(scene, Scene):
+        model = model_by_name(name)
+        run = partial(model.solve_scene, model.scene_with_settings(scene) if model.ingredients else scene)
+    else:
+        run = _function_that_solves_shaft(scene, name)
     if options.member and not has_random_errors(scene):
         allowed = "0, because the scene has no random geometric errors and therefore only one specimen"
         raise ArgumentError("member", str(options.member), allowed, "leave `member` out", scene.name)
@@ -380,17 +324,64 @@ def run_model(scene: Scene | Assembly, name: str = "", options: ModelOptions | N
         with np.errstate(all="ignore"):
             result = run(options)
     except ValueError as error:
-        single = isinstance(scene, Scene)
-        where, what = (scene_key_of_error(error), "geometry and [ingredients]") if single else ("scene", "geometry")
-        raise SceneNotCoveredError(scene.name, where, str(error), f"check the {what}") from error
+        raise _scene_not_covered(scene, error) from error
     return replace(result.nan_unless_converged(), model=name, member=options.member)
 
 
-def _function_that_solves(scene: Scene | Assembly, name: str) -> Callable[[ModelOptions], StaticResult | AxisResult]:
-    """Return a function that solves the scene with the model ``name`` for given options; InputError if the model cannot."""
-    if isinstance(scene, Scene):
-        model = model_by_name(name)
-        return partial(model.solve_scene, model.scene_with_settings(scene))
+def run_model_on_scenes(scenes: Sequence[Scene | Assembly], name: str) -> list[StaticResult | AxisResult | InputError]:
+    """Solve scenes as `run_model` does, and return each result, or the error that `run_model` raises.
+
+    Scenes with one nut or bearing row are solved together by the models that `lowfi.statics.static` solves, without an
+    estimate of the error by beam elements. Each result depends on the other scenes by round-off.
+
+    Parameters
+    ----------
+    scenes
+        Scenes with one load case each.
+    name
+        Name of the model.
+    """
+    singles = [scene for scene in scenes if isinstance(scene, Scene)]
+    if name in MODELS and MODELS[name].compliances and len(singles) == len(scenes):
+        from rollbench.lowfi.statics.equilibrium import solve_together
+
+        size = max(1, int(LARGEST_TOGETHER / max((scene.ball_count for scene in singles), default=1)) ** 2)
+        found: list[StaticResult | AxisResult | InputError] = []
+        with np.errstate(all="ignore"):
+            for first in range(0, len(scenes), size):
+                found += solve_together([_solving(MODELS[name], scene) for scene in singles[first : first + size]])
+        return found
+    found = []
+    for scene in scenes:
+        try:
+            found.append(run_model(scene, name, ModelOptions(estimate_beam_mesh_error=isinstance(scene, Assembly))))
+        except InputError as error:
+            found.append(error)
+    return found
+
+
+def _solving(model: Model, scene: Scene) -> Solving[StaticResult | InputError]:
+    """Compute the result of a scene by a model of `LADDER`, or the error of `run_model`, together with other scenes."""
+    from rollbench.lowfi.compliance.parts import LADDER
+    from rollbench.lowfi.statics.static import elastic_solution
+
+    backend = LADDER[model.compliances]
+    try:
+        result = yield from elastic_solution(model.scene_with_settings(scene), backend=backend, name=model.name)
+    except ValueError as error:
+        return _scene_not_covered(scene, error)
+    return replace(result.nan_unless_converged(), model=model.name)
+
+
+def _scene_not_covered(scene: Scene | Assembly, error: ValueError) -> SceneNotCoveredError:
+    """Return the error for a scene whose solver raised ``error``."""
+    single = isinstance(scene, Scene)
+    where, what = (scene_key_of_error(error), "geometry and [ingredients]") if single else ("scene", "geometry")
+    return SceneNotCoveredError(scene.name, where, str(error), f"check the {what}")
+
+
+def _function_that_solves_shaft(scene: Assembly, name: str) -> Callable[[ModelOptions], AxisResult]:
+    """Return a function that solves a shaft with the model ``name`` for given options; InputError if the model cannot."""
     if name in AXIS_MODELS:
         model = MODELS[name]
         assert not isinstance(model.solve_assembly_or_reason, str)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from rollbench.compare.measure import count_contacts, mean_load
+from rollbench.compare.models.friction_torques import FrictionTorques
 from rollbench.compare.models.loading import LiftOff, Preload
 from rollbench.compare.models.stiffness import NutStiffness
 from rollbench.compare.quantities import json_number, record_as_json
@@ -325,8 +326,10 @@ class SetResult(Balls):
     """Contact loads without the external loads of the scene; None if there is no equilibrium without external loads."""
     lift_off: LiftOff | None = quantity_field("contact_lost", default=None)
     """External load at which the first preloaded contact opens; None without preload."""
-    friction: dict[str, Any] | None = quantity_field("friction", default=None)
-    """Friction torques and efficiencies as JSON values; None if not computed."""
+    friction: FrictionTorques | None = quantity_field(
+        "friction", show=lambda torques: None if torques is None else torques.torques_as_json(), default=None
+    )
+    """Friction torques and efficiencies; None if not computed."""
     friction_words: str = quantity_field(
         "friction_words",
         "why the friction torques are not computed; null if they are",

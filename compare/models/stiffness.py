@@ -14,7 +14,8 @@ from typing import Any, overload
 import numpy as np
 
 from rollbench.compare.models.loading import with_scaled_loads
-from rollbench.compare.models.registry import MODELS, ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.lowfi.rating import displacement
 from rollbench.lowfi.rating.displacement import LoadPoint, load_point
 from rollbench.lowfi.rating.rigidity import axial_force
@@ -354,11 +355,20 @@ def _holds(unloaded: StaticResult | AxisResult) -> bool:
     return unloaded.converged and (isinstance(unloaded, AxisResult) or bool((unloaded.load > 0.0).any()))
 
 
-def displacement_of_nut_alone(scene: Scene | Assembly, result: StaticResult | AxisResult) -> float:
-    """Return the axial displacement of the only nut or bearing of a scene [m] from its nominal position; nan if several."""
-    if isinstance(scene, Assembly) or isinstance(result, AxisResult):
-        return float("nan")
-    return displacement.displacement_of_nut(scene, result)
+def displacement_of_nuts(
+    scene: Scene | Assembly, result: StaticResult | AxisResult, unloaded: StaticResult | AxisResult
+) -> float | None:
+    """Return the axial displacement of the nuts together, or of the bearings without a nut [m]; None if it is not known.
+
+    ``result``: converged solution of the scene; ``unloaded``: solution without its loads, from which it is counted.
+    """
+    point = LoadPoint(place_of_displacement(scene), (0.0, 0.0, 1.0), 0.0)
+    moved = _forces_and_displacements(scene, result, point) - _at_rest(scene, unloaded, point)
+    if isinstance(result, StaticResult):
+        return float(moved[0, 1])
+    each = zip(result.sets, moved, ratios(moved), strict=False)
+    found = [NutStiffness(kind_of(s.of.parts), float(f), float(u), secant, None) for s, (f, u), secant in each]
+    return stiffness_together(found).displacement
 
 
 def is_axial(point: LoadPoint) -> bool:

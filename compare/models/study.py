@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
+from rollbench.compare.models.stored_study import StoredStudies
 from rollbench.compare.reference.estimate import Reference, reference_of_scene
-from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import Scene
 
@@ -35,38 +37,43 @@ class SceneResultCache:
     measures_run_times: bool = False
     #: Folder of meshes and condensed parts; None: no cache.
     mesh_cache: Path | None = None
-    #: Scenes with one nut or bearing row, by name.
+    #: Stored values of slow studies; None: every value is computed.
+    stored_studies: StoredStudies | None = None
+    #: Scenes that are no built-in ones, by name.
     scenes: dict[str, Scene] = field(default_factory=dict)
-    #: Built-in scenes of other types than `Scene` (shafts with several nuts or bearings, duty cycles, parts for which only
-    #: friction is computed), by name.
-    other_scenes: dict[str, Described] = field(default_factory=dict)
+    #: Names of the scenes on which results depend so far.
+    used_scene_names: set[str] = field(default_factory=set)
     #: Results of low-order models by scene and name of the model.
     static_results: dict[tuple[Scene, str], StaticResult] = field(default_factory=dict)
     #: Values that `compute_once` has computed, by function and arguments.
     computed_values: dict[Any, Any] = field(default_factory=dict)
-    #: Printed numbers and claims with their computed values (`compare.evidence.Evidence`), by printed table.
-    evidence_by_table: dict[str, tuple[Any, ...]] = field(default_factory=dict)
+    #: Names of the scenes on which each of these values depends.
+    scenes_of_values: dict[Any, frozenset[str]] = field(default_factory=dict)
 
     def built_in_scene(self, name: str) -> Scene:
-        """Return the built-in scene ``name``, which is read from its file on first use."""
-        if name not in self.scenes:
-            self.scenes[name] = catalogue.scene(name)
-        return self.scenes[name]
+        """Return the scene ``name``: one of ``scenes``, or else the built-in one, read from its file on first use."""
+        self.used_scene_names.add(name)
+        if name in self.scenes:
+            return self.scenes[name]
+        return scene_file.single_nut_scene_or_raise(catalogue.shipped_scene(name), name)
 
-    def record_used_scenes(self, names: Sequence[str]) -> None:
+    def record_used_scenes(self, names: Iterable[str]) -> None:
         """Record that results of this report or check depend on the built-in scenes ``names``."""
-        for name in names:
-            scene = catalogue.shipped_scene(name)
-            if isinstance(scene, Scene):
-                self.scenes.setdefault(name, scene)
-            else:
-                self.other_scenes.setdefault(name, scene)
+        self.used_scene_names.update(names)
 
     @property
     def used_scenes(self) -> dict[str, Described]:
         """All scenes on which results of this report or check depend so far, by name, sorted by name."""
-        scenes: dict[str, Described] = {**self.scenes, **self.other_scenes}
-        return dict(sorted(scenes.items()))
+        return {name: self.scenes.get(name) or catalogue.shipped_scene(name) for name in sorted(self.used_scene_names)}
+
+    def value_with_used_scenes(self, compute: Callable[[SceneResultCache], T]) -> tuple[T, frozenset[str]]:
+        """Return the value of ``compute(self)`` and the names of the built-in scenes on which it depends."""
+        before, self.used_scene_names = self.used_scene_names, set()
+        try:
+            value = compute(self)
+            return value, frozenset(self.used_scene_names)
+        finally:
+            self.used_scene_names |= before
 
     def scene_with_options(self, name: str, **ingredients: Any) -> Scene:
         """Return a copy of the built-in scene ``name`` with changed modelling options.
@@ -95,8 +102,14 @@ class SceneResultCache:
         """
         key = (function, *args)
         if key not in self.computed_values:
-            self.computed_values[key] = function(self, *args)
+            value, self.scenes_of_values[key] = self.value_with_used_scenes(lambda cache: function(cache, *args))
+            self.computed_values[key] = value
+        self.record_used_scenes(self.scenes_of_values.get(key, ()))
         return cast(T, self.computed_values[key])
+
+    def without_values(self) -> SceneResultCache:
+        """Return a cache with the same settings and stored studies that has solved and computed nothing yet."""
+        return replace(self, used_scene_names=set(), static_results={}, computed_values={}, scenes_of_values={})
 
     def stored_reference(self, name: str) -> Reference | None:
         """Return the stored 3D reference of the built-in scene ``name``; None without a converged run."""

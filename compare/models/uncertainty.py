@@ -9,6 +9,8 @@ of idealisations and of unprinted dimensions of the reference, each varied separ
 is the effect of tolerances of the inputs, each varied separately. If |E| <= u_val, the error of the model cannot be
 distinguished from these uncertainties; else it lies within E +- u_val. u_val is not known if one of its parts is not.
 
+`Uncertainty` has the three parts of one value and, for the loads of a scene's contacts, what they consist of.
+
 Percentages refer to the value by the 3D reference, those of contact loads to the mean load. u_input is computed by the
 model of Lin's thesis (lin), because this takes little time. Model and reference get the same inputs, so that u_input
 cancels in E; it would count if one of the two were a measured screw. Therefore the share of values within
@@ -29,8 +31,8 @@ reference changes the sum by less and in the opposite direction.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -58,8 +60,10 @@ from rollbench.meshes.quantity import QuantityDescription, quantity_field, resul
 #: Function that returns the values of a quantity from a scene and the results of a model or 3D run.
 Take = Callable[[Scene, ContactSolution], Array]
 
-#: Names of the parts of the uncertainty.
-GRID, CHOICES, INPUT, SECOND = "discretisation", "modelling choices", "inputs", "large displacements"
+#: By the name of each scene on which modelling choices of the 3D reference were varied: largest change of a contact load by
+#: all choices together [% of the mean load], and the choice with the largest effect.
+ChoiceEffects = Mapping[str, tuple[float, str]]
+
 #: File with the effects of the modelling choices, in a folder of 3D reference runs.
 FILE = "choices.json"
 #: Relative reduction of a contact load by large displacements, divided by the larger semi-axis of the contact over the ball
@@ -116,16 +120,6 @@ QUANTITIES = (
 )
 
 
-@dataclass(frozen=True)
-class InputTolerance:
-    """Assumed tolerance of one input of a scene, such as the contact angle, and the function that changes a scene by it."""
-
-    #: Name of the input and size of its tolerance.
-    name: str
-    #: Function that returns a scene with the input changed by its tolerance; None if the scene does not have this input.
-    change: Callable[[Scene], Scene | None]
-
-
 def _with_wider_grooves(scene: Scene) -> Scene:
     """Return a copy of the scene with both groove radii increased by 0.005 ball diameters."""
     wider = 0.005 * 2.0 * scene.balls.radius
@@ -159,42 +153,19 @@ def _with_larger_oversize(scene: Scene) -> Scene | None:
     return replace(scene, errors=replace(scene.errors, balls=replace(balls, oversize=balls.oversize + 0.25e-6)))
 
 
-#: Assumed tolerances of the inputs. Some are values that makers state for such parts; no publication of a scene gives them.
-INPUTS = (
-    InputTolerance("conformity of both grooves 0.005", _with_wider_grooves),
-    InputTolerance("contact angle 1 deg", _with_larger_contact_angle),
-    InputTolerance("Young's modulus 1 %", _with_stiffer_material),
-    InputTolerance("oversize of the ball radius 0.25 um, where there is one", _with_larger_oversize),
-)
+#: Assumed tolerances of the inputs by name, each with the function that changes a scene by it (None: the scene lacks this
+#: input). Some are values that makers state for such parts; no publication of a scene gives them.
+INPUTS: dict[str, Callable[[Scene], Scene | None]] = {
+    "conformity of both grooves 0.005": _with_wider_grooves,
+    "contact angle 1 deg": _with_larger_contact_angle,
+    "Young's modulus 1 %": _with_stiffer_material,
+    "oversize of the ball radius 0.25 um, where there is one": _with_larger_oversize,
+}
 
 
-@dataclass(frozen=True)
-class UncertaintyParts:
-    """Parts of the validation uncertainty (ASME V&V 20) of one quantity of one scene: mesh, modelling choices, inputs."""
-
-    #: Uncertainty due to each cause [%] by the name of the cause, a number or an array in the shape of the quantity; nan:
-    #: not known.
-    parts: Mapping[str, Array | float]
-    #: Name of the scene on which the modelling choices of the 3D reference were varied; empty: none.
-    scene_with_varied_choices: str = ""
-
-    def root_sum_of_squares(self, *names: str, unknown: float = np.nan) -> Array:
-        """Return the root of the sum of squares of the named parts of the uncertainty, of all parts without names [%].
-
-        Parameters
-        ----------
-        *names
-            Names of the parts; without any, all parts are combined.
-        unknown
-            Value that replaces a part that is not known [%].
-
-        Returns
-        -------
-        Array
-            Combined uncertainty [%].
-        """
-        parts = (np.asarray(self.parts[name]) for name in names or self.parts)
-        return np.asarray(np.sqrt(sum(np.where(np.isnan(part), unknown, part) ** 2 for part in parts)))
+def root_sum_of_squares(parts: Iterable[Array | float]) -> Array:
+    """Return the root of the sum of squares of uncertainties [%]; nan where one of them is nan, that is, not known."""
+    return np.asarray(np.sqrt(sum(np.square(part) for part in parts)))
 
 
 def difference_percent(quantity: ComparedQuantity, value: Array, base: Array, mean: float) -> Array:
@@ -259,7 +230,7 @@ def combined_choice_effect(cache: SceneResultCache, scene_name: str, quantity: C
         value, unchanged = (quantity.values_of_solution(scene, answer) for answer in (changed, base))
         change = np.abs(difference_percent(quantity, value, unchanged, mean_load(base.load, contacts)))
         worst[choice] = np.maximum(worst.get(choice, np.zeros_like(change)), change)
-    return UncertaintyParts(worst).root_sum_of_squares() if worst else None
+    return root_sum_of_squares(worst.values()) if worst else None
 
 
 def effects_of_input_tolerances(cache: SceneResultCache, scene: Scene, quantity: ComparedQuantity) -> dict[str, Array]:
@@ -270,11 +241,11 @@ def effects_of_input_tolerances(cache: SceneResultCache, scene: Scene, quantity:
     base = cache.solve_once(scene, SENSITIVE)
     unchanged, out = quantity.values_of_solution(scene, solution_from_result(base)), {}
     mean = mean_load(base.load, count_nominal_contacts(scene))
-    for tolerance in INPUTS:
-        changed = tolerance.change(scene)
+    for name, change in INPUTS.items():
+        changed = change(scene)
         if changed is not None:
             value = quantity.values_of_solution(changed, solution_from_result(cache.solve_once(changed, SENSITIVE)))
-            out[tolerance.name] = difference_percent(quantity, value, unchanged, mean)
+            out[name] = difference_percent(quantity, value, unchanged, mean)
     return out
 
 
@@ -284,13 +255,17 @@ def combined_input_effect(cache: SceneResultCache, scene: Scene, quantity: Compa
     The effects are combined as the root of the sum of squares. ``cache``: cache of scenes and results.
     """
     parts = effects_of_input_tolerances(cache, scene, quantity)
-    return UncertaintyParts(parts).root_sum_of_squares(), max(parts, key=lambda name: float(np.abs(parts[name]).max()))
+    return root_sum_of_squares(parts.values()), max(parts, key=lambda name: float(np.abs(parts[name]).max()))
 
 
-def validation_uncertainty(cache: SceneResultCache, scene_name: str, quantity: ComparedQuantity) -> UncertaintyParts | None:
-    """Compute the parts of the validation uncertainty u_val of a quantity of a scene: mesh, choices, inputs.
+def validation_uncertainty(
+    cache: SceneResultCache, scene_name: str, quantity: ComparedQuantity
+) -> tuple[tuple[Array, Array, Array], str] | None:
+    """Compute the three parts of the validation uncertainty u_val of a quantity of a scene [%]: mesh, choices, inputs.
 
-    None if no 3D reference of the scene is stored. ``cache``: cache of scenes and 3D references.
+    Each part has the shape of the quantity and is nan where it is not known. Also returned is the name of the scene on
+    which the modelling choices of the 3D reference were varied (empty: none). None if no 3D reference of the scene is
+    stored. ``cache``: cache of scenes and 3D references.
     """
     reference = cache.stored_reference(scene_name)
     if reference is None:
@@ -306,7 +281,7 @@ def validation_uncertainty(cache: SceneResultCache, scene_name: str, quantity: C
         model = np.full(grid.shape, float(choices[varied].max()))
     else:
         varied, model = "", np.full(grid.shape, np.nan)
-    return UncertaintyParts({GRID: grid, CHOICES: model, INPUT: combined_input_effect(cache, scene, quantity)[0]}, varied)
+    return (grid, model, combined_input_effect(cache, scene, quantity)[0]), varied
 
 
 def combined_choice_effect_by_scene(cache: SceneResultCache, quantity: ComparedQuantity) -> dict[str, Array]:
@@ -318,9 +293,113 @@ def combined_choice_effect_by_scene(cache: SceneResultCache, quantity: ComparedQ
     return {name: u for name, u in changes.items() if u is not None}
 
 
+@result_record(kw_only=True)
+class Uncertainty:
+    """Uncertainty of the errors in a comparison with the reference, by its causes [%].
+
+    Contact loads: per cent of the mean contact load. A cause whose contribution is not known is None.
+    """
+
+    discretisation: float
+    """Uncertainty from the finite-element mesh of the reference (numerical uncertainty)."""
+    by_experience: bool = quantity_field("discretisation_by_experience", default=False)
+    """Whether the part due to the mesh is estimated from other scenes, because there is a single mesh level."""
+    choices: float | None = quantity_field(
+        "modelling_percent",
+        "largest change of a contact load by modelling choices of the 3D reference, which finer meshes do not show",
+        default=None,
+    )
+    """Uncertainty from modelling choices of the reference, which mesh refinement does not reveal."""
+    largest_choice: str = quantity_field("modelling_dominated_by", show=lambda name: name or None, default="")
+    """Modelling choice with the largest effect."""
+    choices_varied_on: str = quantity_field("modelling_varied_on", show=lambda name: name or None, default="")
+    """Name of the scene on which the modelling choices of the 3D reference were varied; empty: none."""
+    inputs: float | None = quantity_field(
+        "input_percent", "largest change of a contact load by tolerances of the inputs", default=None
+    )
+    """Uncertainty from the tolerances of the scene's input values."""
+    largest_input: str = quantity_field("input_dominated_by", show=lambda name: name or None, default="")
+    """Name of the input whose tolerance has the largest effect."""
+    second_order: float = quantity_field(
+        "large_displacements_percent",
+        "change of the largest contact load by large displacements, which the 3D reference neglects",
+        default=0.0,
+    )
+    """Uncertainty from large displacements, which the geometrically linear reference neglects."""
+    shared: bool = quantity_field(
+        "shared_by_all_percent",
+        "smallest and largest excess of the sum of the contact loads by independent 3D programs over that by the 3D "
+        "reference, for scenes in which preload determines the sum; null for other scenes",
+        show=lambda shared: SHARED if shared else None,
+        default=False,
+    )
+    """Whether all contacts share a further error (`SHARED`), because equilibrium does not fix the sum of their loads."""
+    stated: str = ""
+    """What a user's reference file states about its uncertainty; empty for the 3D reference."""
+    beside_face: float = quantity_field(
+        "beside_free_face_percent",
+        "part of the uncertainty due to the mesh that comes from a free face of the nut near the contact "
+        "`uncertainty.beside_free_face_at`; 0 where it is less than the rest",
+        default=0.0,
+    )
+    """Part of the mesh uncertainty at the contact ``at_face`` that is due to a near free face of the nut."""
+    at_face: str = quantity_field("beside_free_face_at", show=lambda contact: contact or None, default="")
+    """Contact (ball and flank) at which the part due to a near free face is largest; empty: there is no such part."""
+
+    @property
+    @QuantityDescription(
+        "discretisation_percent",
+        "part of the uncertainty due to the mesh: from refinement, or, with one mesh level, from other scenes",
+    )
+    def of_mesh(self) -> float | None:
+        """Uncertainty due to the mesh [% of the mean load]; None for a user's reference, which only states a total."""
+        return None if self.stated else self.discretisation
+
+    @property
+    @QuantityDescription(
+        "total_percent",
+        "total uncertainty: root of the sum of squares of the parts due to mesh, modelling choices, inputs and large "
+        "displacements",
+    )
+    def total(self) -> float:
+        """Total uncertainty: root of the sum of squares of all parts [%]; unknown parts count as zero."""
+        parts = (self.discretisation, self.choices, self.inputs, self.second_order)
+        return float(root_sum_of_squares(part or 0.0 for part in parts))
+
+    @property
+    def words(self) -> str:
+        """Explanation of all causes of uncertainty; for a user's reference, what its file states about its uncertainty."""
+        if self.stated:
+            return self.stated
+        grid = f"numerical (mesh) {self.discretisation:.2f} %{' estimated from other scenes' * self.by_experience}"
+        if self.at_face:
+            grid += f", of which {self.beside_face:.2f} % at {self.at_face} near the nut's free face"
+        modelling, inputs = "modelling choices not known", "input (tolerances) not known"
+        if self.choices is not None:
+            modelling = f"modelling choices {self.choices:.2f} %, mainly {self.largest_choice}"
+        if self.inputs is not None:
+            inputs = f"input (tolerances) {self.inputs:.2f} %, mainly {self.largest_input.partition(',')[0]}"
+        second = f"large displacements {self.second_order:.2f} %"
+        return f"uncertainties of the contact loads: {grid}; {modelling}; {inputs}; {second}; together {self.total:.2f} %"
+
+    @property
+    def shared_error_sentence(self) -> str:
+        """Sentence on an error common to all contact loads, which no part of the uncertainty includes.
+
+        Empty if equilibrium determines the sum of the contact loads, which excludes such an error.
+        """
+        if not self.shared:
+            return ""
+        low, high = SHARED
+        return (
+            "Not included is an error that all contacts share: for preloaded screws, independent 3D programs obtain sums "
+            f"of contact loads {low:g} to {high:g} % larger than the 3D reference; mesh refinement does not show it."
+        )
+
+
 @dataclass(frozen=True)
 class ErrorWithUncertainty:
-    """Error of a model in one quantity of a scene, with the parts of the validation uncertainty u_val.
+    """Error of a model in one quantity of a scene, with the validation uncertainty u_val of this error.
 
     For contact loads, error and uncertainty are those of the contact with the largest error.
     """
@@ -333,14 +412,8 @@ class ErrorWithUncertainty:
     quantity: str
     #: Error of the model against the 3D reference [%].
     error: float
-    #: Uncertainty of the 3D reference due to the mesh, u_grid [%].
-    grid: float
-    #: Uncertainty due to modelling choices of the 3D reference, u_model [%].
-    choices: float
-    #: Uncertainty due to tolerances of the inputs, u_input [%].
-    inputs: float
-    #: Validation uncertainty u_val [%]; nan: not known.
-    combined: float
+    #: Uncertainty of this error by its causes [%]; nan: not known.
+    uncertainty: Uncertainty
     #: Fraction of the quantity's values (such as the loads of all contacts) whose error is at most u_val [1].
     within: float
     #: Fraction of the quantity's values whose error is at most sqrt(u_grid^2 + u_model^2), the part of u_val due to the 3D
@@ -349,17 +422,6 @@ class ErrorWithUncertainty:
     #: Ratio of the value by the model to that by the 3D reference; for contact loads, of every load above a tenth of the
     #: mean load.
     ratio: tuple[float, ...]
-    #: Name of the scene on which the modelling choices of the 3D reference were varied; empty: none.
-    scene_with_varied_choices: str
-
-    @property
-    def uncertainty_text(self) -> str:
-        """Text that states the numerical and the input uncertainty in per cent, or that one of them is not known."""
-
-        def percent(value: float) -> str:
-            return f"{value:.2f} %" if np.isfinite(value) else "not known"
-
-        return f"numerical uncertainty (mesh) {percent(self.grid)}; input uncertainty (tolerances) {percent(self.inputs)}"
 
 
 def error_with_validation_uncertainty(
@@ -370,8 +432,8 @@ def error_with_validation_uncertainty(
     ``cache``: cache of scenes and 3D references; ``scene_name``: name of the scene; ``solution``: contact loads and
     displacements by the model ``model``. None without a stored 3D reference.
     """
-    ref, parts = cache.stored_reference(scene_name), cache.compute_once(validation_uncertainty, scene_name, quantity)
-    if ref is None or parts is None:
+    ref, known = cache.stored_reference(scene_name), cache.compute_once(validation_uncertainty, scene_name, quantity)
+    if ref is None or known is None:
         return None
     scene = cache.built_in_scene(scene_name)
     reference = quantity.values_of_solution(scene, solution_from_run(ref.best, ""))
@@ -382,62 +444,14 @@ def error_with_validation_uncertainty(
     judged = ((value > 0.0) | (reference > 0.0)) if quantity.in_percent_of_mean_load else np.ones(value.shape, dtype=bool)
     big = judged & (reference > floor) & (value > 0.0) if quantity.in_percent_of_mean_load else reference * value > 0.0
     worst = int(np.argmax(np.where(judged, np.abs(error), -1.0)))
-    u_val, of_reference = parts.root_sum_of_squares(), parts.root_sum_of_squares(GRID, CHOICES)
-    each = (parts.parts[name] for name in (GRID, CHOICES, INPUT))
-    off, grid, choices, inputs, whole = (float(np.ravel(x)[worst]) for x in (error, *each, u_val))
-    within, within_own = (float((np.abs(error) <= u)[judged].mean()) for u in (u_val, of_reference))
+    parts, varied_on = known
+    grid, choices, inputs = (float(np.ravel(part)[worst]) for part in parts)
+    u_val = Uncertainty(discretisation=grid, choices=choices, choices_varied_on=varied_on, inputs=inputs)
+    bounds = (root_sum_of_squares(parts), root_sum_of_squares(parts[:2]))
+    within, within_own = (float((np.abs(error) <= bound)[judged].mean()) for bound in bounds)
     ratio = tuple(float(x) for x in (value[big] / reference[big]).ravel())
-    numbers = (off, grid, choices, inputs, whole, within, within_own)
-    return ErrorWithUncertainty(scene_name, model, quantity.name, *numbers, ratio, parts.scene_with_varied_choices)
-
-
-@dataclass(frozen=True)
-class BiasAndScatter:
-    """Bias and scatter of a model's errors against the 3D reference in one quantity, over all scenes."""
-
-    #: Name of the model.
-    model: str
-    #: Name of the quantity.
-    quantity: str
-    #: Number of scenes.
-    scenes: int
-    #: Number of compared values on all scenes together.
-    values: int
-    #: Geometric mean of the ratios of model to 3D reference over all values, less 1 [%].
-    bias: float
-    #: Standard deviation of ln(model / reference) over all values, without the part due to the mesh of the reference [%].
-    scatter: float
-    #: Fraction of the values whose error is at most the validation uncertainty u_val [1].
-    within: float
-    #: Fraction of the values whose error is at most the part of u_val that is due to the 3D reference [1].
-    within_own: float
-
-
-def bias_and_scatter(rows: Sequence[ErrorWithUncertainty]) -> list[BiasAndScatter]:
-    """Compute bias and scatter of the errors of each model in each quantity, with a record for each such pair.
-
-    ``rows``: errors with their uncertainties, one for each scene, model and quantity.
-
-    Notes
-    -----
-    The method is that of NUREG-1824, supplement 1, a validation of fire models. With the ratio M/E of model to reference,
-    the bias is delta = exp(mean ln(M/E)), and the scatter sigma_M follows from sigma_M^2 = var(ln(M/E)) - sigma_E^2, at
-    least zero. sigma_E is the standard deviation of the error of the reference due to its mesh: u_grid / 2, because u_grid
-    is a 95 % bound, that is two standard deviations. Inputs and modelling choices are the same for model and reference and
-    cause no scatter.
-    """
-    out = []
-    for model, name in dict.fromkeys((r.model, r.quantity) for r in rows):
-        group = [r for r in rows if (r.model, r.quantity) == (model, name)]
-        logs = np.log(np.concatenate([r.ratio for r in group]))
-        known = [r.grid for r in group if np.isfinite(r.grid)]
-        spread = float(np.sqrt(np.mean(np.square(known)))) / 200.0 if known else 0.0
-        variance = float(logs.var(ddof=1)) if logs.size > 1 else 0.0
-        bias = float(error_percent(np.exp(logs.mean()), 1.0))
-        left = float(error_percent(np.sqrt(max(variance - spread**2, 0.0)), 0.0, 1.0))
-        shares = [float(np.mean(x)) for x in ([r.within for r in group], [r.within_own for r in group])]
-        out.append(BiasAndScatter(model, name, len(group), logs.size, bias, left, *shares))
-    return out
+    off = float(np.ravel(error)[worst])
+    return ErrorWithUncertainty(scene_name, model, quantity.name, off, u_val, within, within_own, ratio)
 
 
 def count_within_expected_error(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
@@ -460,124 +474,8 @@ def count_within_expected_error(rows: Sequence[Mapping[str, Any]]) -> dict[str, 
 # --- the largest contact load of a scene
 
 
-@dataclass(frozen=True)
-class LargestChoiceEffects:
-    """Largest effects of modelling choices (such as idealisations) of the 3D reference on the contact loads of a scene."""
-
-    #: Name of the scene.
-    scene: str
-    #: Largest change of a contact load by all choices together [% of the mean load].
-    percent: float
-    #: Choice with the largest effect.
-    choice: str
-    #: Largest change of a contact load by this choice alone [% of the mean load].
-    alone: float
-
-
-@result_record
-class LoadUncertainty:
-    """Uncertainty of the contact loads by the 3D reference on a scene, in parts by their causes [% of the mean load].
-
-    A part that is not known is None.
-    """
-
-    #: Part of the uncertainty due to the mesh of the reference.
-    discretisation: float
-    #: Whether the part due to the mesh is estimated from other scenes, because the scene was solved on a single mesh level.
-    by_experience: bool = quantity_field("discretisation_by_experience")
-    #: Part of the uncertainty due to modelling choices, with the dominant choice and the scene on which they were varied.
-    choices: LargestChoiceEffects | None = quantity_field(
-        "modelling_percent",
-        "largest change of a contact load by modelling choices of the 3D reference, which finer meshes do not show",
-        QuantityDescription("modelling_dominated_by", show=lambda choices: choices and choices.choice),
-        QuantityDescription("modelling_varied_on", show=lambda choices: choices and choices.scene),
-        show=lambda choices: choices and choices.percent,
-    )
-    #: Part of the uncertainty due to tolerances of the inputs.
-    inputs: float | None = quantity_field("input_percent", "largest change of a contact load by tolerances of the inputs")
-    #: Name of the input whose tolerance has the largest effect.
-    input: str = quantity_field("input_dominated_by", show=lambda name: name or None)
-    #: Part of the uncertainty due to large displacements, which the reference neglects.
-    second_order: float = quantity_field(
-        "large_displacements_percent",
-        "change of the largest contact load by large displacements, which the 3D reference neglects",
-    )
-    #: Whether a further error (`SHARED`) is common to the loads of all contacts, because equilibrium does not fix their
-    #: sum.
-    shared: bool = quantity_field(
-        "shared_by_all_percent",
-        "smallest and largest excess of the sum of the contact loads by independent 3D programs over that by the 3D "
-        "reference, for scenes in which preload determines the sum; null for other scenes",
-        show=lambda shared: SHARED if shared else None,
-    )
-    #: Text on the uncertainty of a reference that the user gave, shown instead of the parts; empty for the 3D reference.
-    stated: str = ""
-    #: Part of the mesh uncertainty at the contact ``at_face`` that is due to a near free face of the nut.
-    beside_face: float = quantity_field(
-        "beside_free_face_percent",
-        "part of the uncertainty due to the mesh that comes from a free face of the nut near the contact "
-        "`uncertainty.beside_free_face_at`; 0 where it is less than the rest",
-        default=0.0,
-    )
-    #: Contact (ball and flank) at which the part of the uncertainty that is due to a near free face of the nut is largest;
-    #: empty: there is no such part.
-    at_face: str = quantity_field("beside_free_face_at", show=lambda contact: contact or None, default="")
-
-    @property
-    @QuantityDescription(
-        "discretisation_percent",
-        "part of the uncertainty due to the mesh: from refinement, or, with one mesh level, from other scenes",
-    )
-    def of_mesh(self) -> float | None:
-        """Uncertainty due to the mesh [% of the mean load]; None for a user's reference, which only states a total."""
-        return None if self.stated else self.discretisation
-
-    @property
-    @QuantityDescription(
-        "total_percent",
-        "total uncertainty: root of the sum of squares of the parts due to mesh, modelling choices, inputs and large "
-        "displacements",
-    )
-    def percent(self) -> float:
-        """Total uncertainty: root of the sum of squares of all parts [% of the mean load]; unknown parts count as zero."""
-        choices = np.nan if self.choices is None else self.choices.percent
-        inputs = np.nan if self.inputs is None else self.inputs
-        parts = {GRID: self.discretisation, CHOICES: choices, INPUT: inputs, SECOND: self.second_order}
-        return float(UncertaintyParts(parts).root_sum_of_squares(unknown=0.0))
-
-    @property
-    def uncertainty_text(self) -> str:
-        """Text that states the total uncertainty of the contact loads and its parts."""
-        if self.stated:
-            return self.stated
-        grid = f"numerical (mesh) {self.discretisation:.2f} %{' estimated from other scenes' * self.by_experience}"
-        if self.at_face:
-            grid += f", of which {self.beside_face:.2f} % at {self.at_face} near the nut's free face"
-        modelling, inputs = "modelling choices not known", "input (tolerances) not known"
-        if self.choices is not None:
-            modelling = f"modelling choices {self.choices.percent:.2f} %, mainly {self.choices.choice}"
-        if self.inputs is not None:
-            inputs = f"input (tolerances) {self.inputs:.2f} %, mainly {self.input.partition(',')[0]}"
-        second = f"large displacements {self.second_order:.2f} %"
-        return f"uncertainties of the contact loads: {grid}; {modelling}; {inputs}; {second}; together {self.percent:.2f} %"
-
-    @property
-    def shared_error_sentence(self) -> str:
-        """Sentence on an error common to all contact loads, which no part of the uncertainty includes.
-
-        Empty if equilibrium determines the sum of the contact loads, which excludes such an error.
-        """
-        if not self.shared:
-            return ""
-        low, high = SHARED
-        return (
-            "Not included is an error that all contacts share: for preloaded screws, independent 3D programs obtain sums "
-            f"of contact loads {low:g} to {high:g} % larger than the 3D reference; mesh refinement does not show it."
-        )
-
-
-def uncertainty_of_loads(scene: Scene, reference: Reference, *, inputs: bool = True) -> LoadUncertainty:
-    """Compute the uncertainty of the contact loads of a scene's 3D reference.
+def uncertainty_of_loads(scene: Scene, reference: Reference, *, inputs: bool = True) -> Uncertainty:
+    """Compute the uncertainty of the contact loads of a scene's 3D reference [% of the mean load].
 
     Parameters
     ----------
@@ -590,22 +488,26 @@ def uncertainty_of_loads(scene: Scene, reference: Reference, *, inputs: bool = T
 
     Returns
     -------
-    LoadUncertainty
+    Uncertainty
         Parts of the uncertainty.
     """
     if reference.stated:
-        return LoadUncertainty(largest_uncertainty_percent(reference), False, None, None, "", 0.0, False, reference.stated)
-    share, name = _largest_combined_input_effect(scene) if inputs else (None, "")
+        return Uncertainty(discretisation=largest_uncertainty_percent(reference), stated=reference.stated)
+    share, largest_input = _largest_combined_input_effect(scene) if inputs else (None, "")
     lip, at = largest_uncertainty_near_face(reference)
-    choices = applicable_choice_effects(replace(scene, name=reference.best.scene), read_choice_effects(shipped_store()))
-    return LoadUncertainty(
-        largest_uncertainty_percent(reference),
-        reference.parts.is_from_other_scenes,
-        choices,
-        share,
-        name,
-        effect_of_large_displacements(scene, reference),
-        has_both_flanks_loaded(reference.load),
+    stored = read_choice_effects(shipped_store())
+    varied_on = scene_with_applicable_choices(replace(scene, name=reference.best.scene), stored)
+    choices, largest_choice = stored.get(varied_on, (None, ""))
+    return Uncertainty(
+        discretisation=largest_uncertainty_percent(reference),
+        by_experience=reference.parts.is_from_other_scenes,
+        choices=choices,
+        largest_choice=largest_choice,
+        choices_varied_on=varied_on,
+        inputs=share,
+        largest_input=largest_input,
+        second_order=effect_of_large_displacements(scene, reference),
+        shared=has_both_flanks_loaded(reference.load),
         beside_face=lip,
         at_face=at,
     )
@@ -649,41 +551,34 @@ def _largest_combined_input_effect(scene: Scene) -> tuple[float | None, str]:
     return float(parts.max()), most
 
 
-def largest_choice_effects(uncertainty: ModellingUncertainty) -> LargestChoiceEffects:
-    """Return the largest effects of the 3D reference's modelling choices on one scene, as a record that can be stored.
+def scene_with_applicable_choices(scene: Scene, stored: ChoiceEffects) -> str:
+    """Return the name of the scene whose stored effects of modelling choices apply to ``scene``.
 
-    ``uncertainty``: effects of all choices on the contact loads of the scene.
-    """
-    first = max(uncertainty.choices, key=lambda name: uncertainty.choices[name])
-    return LargestChoiceEffects(uncertainty.scene, uncertainty.largest, first, uncertainty.choices[first])
-
-
-def applicable_choice_effects(scene: Scene, stored: Mapping[str, LargestChoiceEffects]) -> LargestChoiceEffects | None:
-    """Return the stored effects of the 3D reference's modelling choices that apply to a scene.
-
-    ``stored``: stored effects by the name of the scene on which choices were varied.
-
-    Returned are the effects on a scene with the same parts; without such a scene, the largest stored effects. None if no
+    It is a scene with the same parts; without such a scene, the one with the largest stored effect. The name is empty if no
     effect is stored, or if the scene is outside the range of the compared scenes.
     """
+    speaks = SPOKEN_FOR.get(scene.name, "")
     if descriptors_outside_range(scene):
-        return None
-    return stored.get(SPOKEN_FOR.get(scene.name, "")) or max(stored.values(), key=lambda c: c.percent, default=None)
+        return ""
+    return speaks if speaks in stored else max(stored, key=lambda name: stored[name][0], default="")
 
 
-def save_choice_effects(store: Path, effects_by_scene: Mapping[str, LargestChoiceEffects]) -> None:
-    """Write the effects ``effects_by_scene`` of modelling choices, by scene, to the folder ``store``.
+def save_choice_effects(store: Path, found: Sequence[ModellingUncertainty]) -> None:
+    """Write the effects of modelling choices on the contact loads of the scenes on which they were varied.
 
-    OSError if that fails.
+    ``store``: folder for the file. ``found``: effects, one record for each scene. OSError if the file cannot be written.
     """
-    replace_file(store / FILE, json.dumps({name: asdict(c) for name, c in effects_by_scene.items()}, indent=1) + "\n")
+    effects = {
+        one.scene: {"percent": one.largest, "choice": max(one.choices, key=lambda name: one.choices[name])} for one in found
+    }
+    replace_file(store / FILE, json.dumps(effects, indent=1) + "\n")
 
 
 @cache
-def read_choice_effects(store: Path) -> dict[str, LargestChoiceEffects]:
+def read_choice_effects(store: Path) -> ChoiceEffects:
     """Read the effects of the 3D reference's modelling choices, by scene, from the folder ``store`` of its runs.
 
-    OSError, ValueError or TypeError if the file cannot be used.
+    OSError, ValueError, KeyError or TypeError if the file cannot be used.
     """
     data = json.loads((store / FILE).read_text(encoding="utf-8"))
-    return {name: LargestChoiceEffects(**fields) for name, fields in data.items()}
+    return {name: (float(effect["percent"]), str(effect["choice"])) for name, effect in data.items()}

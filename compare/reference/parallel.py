@@ -116,7 +116,7 @@ def _run_job(number: int, version: str, function: Callable[..., Any], arguments:
     ``number``: number of the job; ``function``, ``arguments``: the job. A process runs one job at a time, because gmsh has
     one state per process. A worker of another version of rollbench than ``version``, which may have joined the cluster at
     any time, returns an InputError. Results and exceptions are sent as bytes, because joblib hangs on results that cannot
-    be unpickled; cloudpickle is used because tables of the report contain lambdas.
+    be unpickled; cloudpickle is used because jobs may contain lambdas.
     """
     import cloudpickle
 

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cache, lru_cache, partial
 from importlib import metadata
@@ -121,27 +120,16 @@ def measuring_conditions() -> MeasuringConditions:
     return MeasuringConditions(__version__, sources_hash(SOLVERS)[:16], machine_description())
 
 
-def common_measuring_conditions(conditions: Iterable[MeasuringConditions]) -> MeasuringConditions | None:
-    """Return the conditions under which all of several computing times were measured; ValueError if they differ.
+#: What a page says in place of computing times of another version.
+UNMEASURED = "Run times of this version are not measured yet; the command rollbench bench measures them."
 
-    ``conditions``: the conditions of each measurement; None is returned if there are none.
+
+def shows_times_of(version: str) -> bool:
+    """Return whether computing times measured with a version of rollbench are shown beside errors of this version.
+
+    They are if the first two numbers of both versions are the same. ``version``: such as "0.20.0".
     """
-    found = set(conditions)
-    if len(found) > 1:
-        raise ValueError(
-            "the computing times stem from several measuring runs under different conditions: "
-            f"{', '.join(sorted(map(str, found)))}"
-        )
-    return next(iter(found), None)
-
-
-def most_frequent_measuring_conditions(conditions: Iterable[MeasuringConditions]) -> MeasuringConditions | None:
-    """Return the conditions under which the largest number of the given computing times were measured; None without any.
-
-    ``conditions``: the conditions of each measurement.
-    """
-    common = Counter(conditions).most_common(1)
-    return common[0][0] if common else None
+    return version.split(".")[:2] == __version__.split(".")[:2]
 
 
 #: Version of the mechanics in content keys. Raise it if the mechanics or an assumption of meshes.solid changes; older runs

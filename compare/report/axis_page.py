@@ -12,14 +12,14 @@ from rollbench.compare.errors import InputError, SceneNotCoveredError
 from rollbench.compare.models.model_form import ExpectedError
 from rollbench.compare.models.set_results import SetResult
 from rollbench.compare.report import parts as report_parts
-from rollbench.compare.results.rows import bearing_and_nut_rows, expected_error_sentence, friction_rows
+from rollbench.compare.results.rows import bearing_and_nut_rows, expected_error_sentence
 from rollbench.compare.results.solved import Result
 from rollbench.compare.studies.friction.solve import solve_friction_of_scene
 from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.lowfi.rating.contacts import RACES, WorstContact
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import FREEDOMS, SIDES
-from rollbench.reports.content import Row, Section, Table, TableColumn, Text, text_column
+from rollbench.reports.content import Row, Section, Table, TableColumn, Text
 from rollbench.reports.scene_html import ScenePage
 
 
@@ -119,9 +119,9 @@ def _force_and_stiffness_tables(found: Result) -> list[Table]:
         free = [k for k, line in enumerate(stiffness) if not np.isnan(line).all()]
         cells: list[Row] = []
         for i in free:
-            cell: Row = {text_column("freedom", "component of force or moment"): FREEDOMS[i]}
+            cell: Row = {"component": FREEDOMS[i]}
             for k in free:
-                cell[TableColumn(FREEDOMS[k], f"per unit of {FREEDOMS[k]}")] = float(stiffness[i, k])
+                cell["per_unit_of", FREEDOMS[k]] = float(stiffness[i, k])
             cells.append(cell)
         note = (
             f"{place[:1].upper()}{place[1:]}; a row for each component of force [N] and moment [N m], a column for each "
@@ -137,12 +137,12 @@ def _friction_sections(scene: Assembly) -> Iterator[Section]:
         return
     title = "Friction torque and losses"
     try:
-        found = solve_friction_of_scene(scene, FrictionChoices(), scene.name).record
+        found = solve_friction_of_scene(scene, FrictionChoices(), scene.name)
     except InputError as error:  # a nut that turns
         yield Section("friction", title, [Text((f"Friction was not computed: {error}.",))])
         return
     figure = found.figure()
-    table = report_parts.results_table(friction_rows(found), "Torques, efficiency and power lost", name="torques")
+    table = report_parts.results_table(found.rows(), "Torques, efficiency and power lost", name="torques")
     yield Section("friction", title, [table, *filter(None, [figure])])
 
 
@@ -153,12 +153,12 @@ def _contact_load_tables(sets: Mapping[str, SetResult]) -> Iterator[Table]:
     """
     rows: list[Row] = [
         {
-            text_column("set", "nut or bearing"): name,
-            TableColumn("ball", "number of the ball"): ball.index,
-            text_column("side", "flank of the groove"): side,
-            TableColumn("load", "contact load", "N", ".1f"): float(ball.load[k]),
-            TableColumn("angle", "contact angle", "deg", ".2f"): float(np.degrees(ball.angle[k])),
-            TableColumn("pressure", "peak pressure", "MPa", ".0f"): 1e-6 * float(ball.pressure[k]),
+            "nut_or_bearing": name,
+            "ball": ball.index,
+            "flank": side,
+            "contact_load": float(ball.load[k]),
+            "contact_angle": float(np.degrees(ball.angle[k])),
+            "peak_pressure": 1e-6 * float(ball.pressure[k]),
         }
         for name, s in sets.items()
         for ball in s.ball_rows()
@@ -171,14 +171,11 @@ def _contact_load_tables(sets: Mapping[str, SetResult]) -> Iterator[Table]:
         yield Table.from_rows("contacts", title, rows, note)
     found: list[Row] = [
         {
-            text_column("set", "bearing"): name,
-            TableColumn("roller", "number of the roller"): roller.index,
-            TableColumn("load", "load of the roller", "N", ".1f"): float(roller.load),
-            TableColumn("line", "largest line load", "N/mm", ".1f"): 1e-3 * float(roller.line_load),
-            **{
-                TableColumn(race, f"largest pressure, {race} raceway", "MPa", ".0f"): 1e-6 * float(roller.pressure[race])
-                for race in RACES
-            },
+            "nut_or_bearing": name,
+            "roller": roller.index,
+            "roller_load": float(roller.load),
+            "largest_line_load": 1e-3 * float(roller.line_load),
+            **{("raceway_pressure", race): 1e-6 * float(roller.pressure[race]) for race in RACES},
         }
         for name, s in sets.items()
         for roller in s.roller_rows()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
 
@@ -18,69 +18,38 @@ from rollbench.compare.models.modelling import UNSEEN, solve_refinement_sequence
 from rollbench.compare.models.modelling import model_errors_on_built_in_scenes as compared_points
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import SceneResultCache
-from rollbench.compare.models.uncertainty import CONTACTS, bias_and_scatter, uncertainty_of_loads
+from rollbench.compare.models.uncertainty import CONTACTS, uncertainty_of_loads
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
+from rollbench.compare.report.error_over_time import (
+    caption_of_panel,
+    error_over_time_panel,
+    measured_on_drawn_screws,
+    run_time_sentence,
+)
 from rollbench.compare.sections import reference_time
 from rollbench.compare.sections.source_tables import counts_of_reproduced_numbers_table
-from rollbench.compare.sections.u_val import validated_errors_of_models
+from rollbench.compare.sections.u_val import tables_of_errors
 from rollbench.compare.studies import extremes, survey
+from rollbench.compare.studies.survey_models import LoadErrorsAndTimes
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Summary, Table, TableColumn, Text, text_column
+from rollbench.reports.content import ColumnKey, Figure, Panel, Row, Section, Series, Summary, Table, Text
 
 QUESTION = "How accurate are low-order models of ball screws, and how much run time does a more accurate model take?"
-TITLE = (
-    "Contact-load errors of the models on all compared screws, and contact-load error of each model and 3D mesh level, "
-    "plotted against its run time"
-)
-#: Families of models, which share a colour, with the names of their models.
-FAMILIES = (
-    ("refined", ("refined",)),
-    (
-        "Lin's model and extensions of it",
-        ("lin", "lin-source-partition", "lin-printed-hertz", "lin-cell", "lin-nut", "source"),
-    ),
-    ("axial bars", ("mei", "mei-nut", "liu")),
-    ("bodies condensed from 3D", ("condensed",)),
-)
-#: Family name of all 3D meshes.
-SOLID = "3D reference"
-#: Columns of the table of the models' errors in every quantity: mean error, scatter and largest error.
-BIAS = TableColumn("bias", "mean error (bias) of the model", "%", "+.2f")
-SCATTER = TableColumn("scatter", "standard deviation (scatter) of the error", "%", ".2f")
-LARGEST = TableColumn("largest", "largest error on a screw or bearing", "%", ".1f")
-#: Columns of the table of models and mesh levels: field of `ModelAccuracy`, key, heading, unit, and number format.
-ACCURACY_COLUMNS = (
-    ("name", "name", "model or mesh level", "", "s"),
-    ("label", "label", "long name of the model or mesh level", "", "s"),
-    ("scene_count", "scenes", "number of screws and bearings", "", "s"),
-    ("median_error_percent", "median", "largest contact-load error, median over the scenes", "% of mean load", ".2f"),
-    ("largest_error_percent", "worst", "largest contact-load error, maximum over the scenes", "% of mean load", ".2f"),
-    ("scene_of_largest_error", "at", "screw or bearing with the largest contact-load error", "", "s"),
-    ("median_rms_error_percent", "rms", "RMS error of the contact loads, median over the scenes", "% of mean load", ".2f"),
-    (
-        "largest_rms_error_percent",
-        "worst_rms",
-        "RMS error of the contact loads, maximum over the scenes",
-        "% of mean load",
-        ".2f",
-    ),
-    (
-        "median_gate_error.error",
-        "gate",
-        "largest contact-load error relative to contact's load (if small: mean load), median",
-        "%",
-        ".2f",
-    ),
-    (
-        "passed_scene_count",
-        "passed",
-        f"number of screws and bearings with all contact-load errors within {LIMIT:g} %",
-        "",
-        "s",
-    ),
-    ("cold_start_seconds", "cold", "run time of a cold start, median", "s", "g3"),
-)
+TITLE = "Contact-load errors of the models on all compared screws"
+#: Columns of the table of models and mesh levels, each with the field of `ModelAccuracy`.
+ACCURACY_COLUMNS: dict[ColumnKey, str] = {
+    "model_or_level": "name",
+    "long_name": "label",
+    "scenes": "scene_count",
+    "largest_load_error_over_scenes_median": "median_error_percent",
+    "largest_load_error_over_scenes": "largest_error_percent",
+    "scene_of_largest_error": "scene_of_largest_error",
+    "rms_error_over_scenes_median": "median_rms_error_percent",
+    "rms_error_over_scenes": "largest_rms_error_percent",
+    "check_error_median": "median_gate_error.error",
+    ("scenes_within", f"{LIMIT:g}"): "passed_scene_count",
+}
 #: Models that represent their family in figures and tables.
 KINDS = {DEFAULT: "refined", "lin": "lin"}
 #: Names of these models in a sentence.
@@ -99,7 +68,7 @@ LEFT_OUT = (
 
 @dataclass(frozen=True)
 class ModelAccuracy:
-    """Contact-load errors and run time of one model or 3D mesh level, summarised over the shipped scenes.
+    """Contact-load errors of one model or 3D mesh level, summarised over the shipped scenes.
 
     For the finest mesh level, which is the reference, its mesh uncertainty takes the place of the error.
     """
@@ -108,9 +77,6 @@ class ModelAccuracy:
     name: str
     #: Name of the model or mesh level in tables.
     label: str
-    #: Name of the family of models to which the model or mesh level belongs; it determines the colour (see
-    #: `model_family`).
-    family: str
     #: Number of scenes on which the model or mesh converged.
     scene_count: int
     #: Largest error of a contact load on any of the scenes [% of the mean load of that scene].
@@ -123,25 +89,11 @@ class ModelAccuracy:
     median_rms_error_percent: float
     #: Largest RMS error over the scenes [% of the mean load].
     largest_rms_error_percent: float
-    #: Median over the scenes of the time of a solution in a new process with empty caches (cold start) [s]; None: not
-    #: measured.
-    cold_start_seconds: float | None
     #: Median over the scenes of the largest error as ``rollbench check`` judges it, in per cent of the contact's load
     #: (for nearly unloaded contacts, of the mean load), and medians of the ends of its range.
     median_gate_error: reference_time.LargestErrorWithRange
     #: Number of scenes that pass ``rollbench check`` with its default limit.
     passed_scene_count: int
-
-
-def model_family(point: reference_time.ErrorAndRunTime) -> str:
-    """Return the name of the family of models to which a low-order model or 3D mesh belongs.
-
-    ``point``: error and run time of this model or mesh on a scene. Families of models are those of `FAMILIES`; a model that
-    is in none of them forms its own family, named by its label. All 3D meshes form one family.
-    """
-    if point.kind != "model":
-        return SOLID
-    return next((family for family, names in FAMILIES if point.name in names), point.label)
 
 
 def largest_error_or_mesh_uncertainty(point: reference_time.ErrorAndRunTime) -> float:
@@ -164,7 +116,7 @@ def check_error_or_mesh_uncertainty(point: reference_time.ErrorAndRunTime) -> re
 
 
 def summarise_accuracy_by_model(points: Mapping[str, Sequence[reference_time.ErrorAndRunTime]]) -> list[ModelAccuracy]:
-    """Return errors and run times of every model and 3D mesh level, summarised over the scenes; least accurate first.
+    """Return errors of every model and 3D mesh level, summarised over the scenes; least accurate first.
 
     Parameters
     ----------
@@ -183,7 +135,7 @@ def summarise_accuracy_by_model(points: Mapping[str, Sequence[reference_time.Err
 def _summarise_model_accuracy(
     label: str, points_by_scene: Sequence[tuple[str, reference_time.ErrorAndRunTime]]
 ) -> ModelAccuracy:
-    """Return the errors and run time of one model or mesh level, as medians and maxima over the scenes.
+    """Return the errors of one model or mesh level, as medians and maxima over the scenes.
 
     ``label``: name of the model or mesh level in tables. ``points_by_scene``: pairs of a scene's name, and errors and run
     time on this scene.
@@ -191,19 +143,16 @@ def _summarise_model_accuracy(
     first = points_by_scene[0][1]
     errors = [largest_error_or_mesh_uncertainty(p) for _, p in points_by_scene]
     k = int(np.argmax(errors))
-    times = [p.cold for _, p in points_by_scene if p.cold is not None]
     gate = [check_error_or_mesh_uncertainty(p) for _, p in points_by_scene]
     return ModelAccuracy(
         name=first.name,
         label=label,
-        family=model_family(first),
         scene_count=len(points_by_scene),
         largest_error_percent=errors[k],
         scene_of_largest_error=points_by_scene[k][0],
         median_error_percent=float(np.median(errors)),
         median_rms_error_percent=float(np.median([p.rms for _, p in points_by_scene])),
         largest_rms_error_percent=max(p.rms for _, p in points_by_scene),
-        cold_start_seconds=float(np.median(times)) if times else None,
         median_gate_error=reference_time.LargestErrorWithRange(
             *(float(np.median(ends)) for ends in zip(*((g.error, g.low, g.high) for g in gate), strict=True))
         ),
@@ -211,64 +160,26 @@ def _summarise_model_accuracy(
     )
 
 
-def pareto_optimal_models(accuracies: Sequence[ModelAccuracy]) -> list[ModelAccuracy]:
-    """Return the Pareto-optimal models and mesh levels, fastest first: no other is both faster and more accurate.
+def error_distribution_and_time_figure(largest_errors: Mapping[str, Array], timed: Sequence[LoadErrorsAndTimes]) -> Figure:
+    """Draw the distribution of load errors over all compared screws and, if measured, load error over run time.
 
-    ``accuracies``: errors and run times of all models and mesh levels. The compared error is the median over the scenes of
-    the largest contact-load error, as ``rollbench check`` judges it. The compared time is that of a cold start (new process
-    with empty caches).
-    """
-    best: list[ModelAccuracy] = []
-    timed = (s for s in accuracies if s.cold_start_seconds is not None)
-    for one in sorted(timed, key=lambda s: (s.cold_start_seconds, s.median_gate_error.error)):
-        if not best or one.median_gate_error.error < best[-1].median_gate_error.error:
-            best.append(one)
-    return best
-
-
-def error_distribution_and_time_figure(
-    largest_errors: Mapping[str, Array],
-    points: Mapping[str, Sequence[reference_time.ErrorAndRunTime]],
-    name: str,
-    size: tuple[float, float],
-    *,
-    label_all_models: bool = True,
-) -> Figure:
-    """Draw two panels: distribution of load errors over all compared screws, and load error over cold-start time.
-
-    Compared screws are those with a 3D reference. A cold start is a solution in a new process with empty caches.
+    Compared screws are those with a 3D reference.
 
     Parameters
     ----------
     largest_errors
         Largest contact-load error on each screw, in ascending order [% of the mean load], by model.
-    points
-        Errors and run time of each model and mesh level, by name of the scene.
-    name
-        File name of the figure.
-    size
-        Width and height [inches].
-    label_all_models
-        Whether all models and mesh levels are labelled; if not, only those of `KINDS` and of the Pareto front.
+    timed
+        Errors and run times of each model and mesh level on the same drawn screws; empty: not measured.
     """
-    points = {name: [p for p in several if p.cold is not None] for name, several in points.items()}
-    time = _error_over_time_panel(points, "run time of a cold start / s", label_all_models=label_all_models)
     counts = " and ".join(sorted({str(errors.size) for errors in largest_errors.values()}))
-    caption = (
-        f"First panel: share of {counts} screws whose largest contact-load error is below the abscissa value. Second "
-        f"panel: error against run time. {TIMED} Cold start: a new process with empty caches."
-    )
-    panels = (error_distribution_panel(largest_errors), time)
-    return Figure(name, TITLE, panels, caption, columns=2 if label_all_models else 1, size=size)
-
-
-#: Caption of a panel of errors over run time.
-TIMED = (
-    f"The error is the largest contact-load error on a screw or bearing, {RULE}. Horizontal line: {LIMIT:g} %, the "
-    "default limit of the command rollbench check. Light points: one screw or bearing each; dark markers: their medians; "
-    "bars: range due to the mesh uncertainty of the 3D reference. The finest mesh level is the reference itself, drawn at "
-    "its own uncertainty. Condensed model: stiffness of screw and nut from a 3D computation, its run time not included."
-)
+    title, panels = TITLE, [error_distribution_panel(largest_errors)]
+    caption = f"Share of {counts} screws whose largest contact-load error is below the abscissa value."
+    if timed:
+        title += ", and contact-load error of each model and 3D mesh level, plotted against its run time"
+        panels.append(error_over_time_panel(timed))
+        caption = f"First panel: {caption} Second panel: {caption_of_panel(timed)}"
+    return Figure("error-time", title, panels, caption, columns=1)
 
 
 def error_distribution_panel(largest_errors: Mapping[str, Array]) -> Panel:
@@ -285,17 +196,6 @@ def error_distribution_panel(largest_errors: Mapping[str, Array]) -> Panel:
         series.append(Series(model, errors.tolist(), share.tolist(), "line", bold=True))
     x, y = "largest contact-load error / % of the mean contact load", "share of screws up to this error / %"
     return Panel("", x, y, series, log_axes="x", include_zero=True)
-
-
-def error_over_further_load_case_time_figure(points: Mapping[str, Sequence[reference_time.ErrorAndRunTime]]) -> Figure:
-    """Draw the largest load error of each model and 3D mesh level over the time of a further load case of a known geometry.
-
-    ``points``: errors and run times of each model and mesh level, by name of the scene.
-    """
-    warm = {name: [replace(p, cold=p.warm) for p in several if p.warm is not None] for name, several in points.items()}
-    panel = _error_over_time_panel(warm, "run time of a further load case / s", label_all_models=True)
-    title = "Largest contact-load error of each model and 3D mesh level against the run time of a further load case"
-    return Figure("error-time-further", title, (panel,), TIMED, columns=1)
 
 
 def largest_load_errors_on_screws(points: Sequence[MeasuredModelErrors]) -> dict[str, Array]:
@@ -317,73 +217,6 @@ def largest_check_errors_on_screws(points: Sequence[MeasuredModelErrors]) -> dic
     """
     known = [(p.model, p.gate_percent) for p in points if p.features["lead"] > 0.0 and p.gate_percent is not None]
     return {model: np.array([error for name, error in known if name == model]) for model in KINDS}
-
-
-def _error_over_time_panel(
-    points: Mapping[str, Sequence[reference_time.ErrorAndRunTime]], label: str, *, label_all_models: bool
-) -> Panel:
-    """Return the panel of load errors over run time: a point per scene and model, medians, and the Pareto front.
-
-    The errors are the largest on each scene as ``rollbench check`` judges them: in per cent of the contact's reference
-    load or, for a nearly unloaded contact, of the mean contact load.
-
-    Parameters
-    ----------
-    points
-        Errors and run times of each model and mesh level, by name of the scene; the field ``cold`` is the drawn time [s].
-    label
-        Label of the time axis.
-    label_all_models
-        Whether the medians of all models are labelled; if not, only those of `KINDS` and of the Pareto front.
-    """
-
-    def drawn(errors: Iterable[float]) -> list[float]:
-        """Return errors [%] as ordinates of the logarithmic panel; errors below its range are set to its lower end."""
-        return [max(error, reference_time.FLOOR) for error in errors]
-
-    accuracies = summarise_accuracy_by_model(points)
-    others = [model_family(p) for several in points.values() for p in several]
-    families = list(dict.fromkeys([*(family for family, _ in FAMILIES), SOLID, *others]))
-    series = []
-    for family in families:
-        of_family = [(name, p) for name, several in points.items() for p in several if _is_drawn_in_family(p, family)]
-        shown = [(scene, p, p.cold) for scene, p in of_family if p.cold is not None]
-        times, names = [cold for *_, cold in shown], [f"{p.name}, {scene}" for scene, p, _ in shown]
-        errors = drawn(check_error_or_mesh_uncertainty(p).error for _, p, _ in shown)
-        series.append(Series(family, times, errors, "markers", pale=True, point_names=names))
-    edge = pareto_optimal_models(accuracies)
-    times = [s.cold_start_seconds for s in edge if s.cold_start_seconds is not None]
-    errors, names = drawn(s.median_gate_error.error for s in edge), [s.name for s in edge]
-    series.append(Series("Pareto front of the medians", times, errors, "line", point_names=names))
-    for family in families:
-        mids = [s for s in accuracies if s.family == family]
-        bars = drawn(s.median_gate_error.low for s in mids), drawn(s.median_gate_error.high for s in mids)
-        series.append(
-            Series(
-                family,
-                [s.cold_start_seconds for s in mids if s.cold_start_seconds is not None],
-                drawn(s.median_gate_error.error for s in mids),
-                "markers",
-                bold=True,
-                error_bars=bars,
-                point_labels=[s.name if label_all_models or s in edge or s.name in KINDS else "" for s in mids],
-                point_names=[f"{s.name}, median of {s.scene_count} scenes" for s in mids],
-            )
-        )
-    series = [s for s in series if len(s.x)]
-    times = [p.cold for several in points.values() for p in several if p.cold is not None]
-    if times:
-        series.append(Series(f"limit of {LIMIT:g} %", [min(times), max(times)], [LIMIT, LIMIT], "line"))
-    return Panel("", label, "largest contact-load error as judged by rollbench check / %", tuple(series), log_axes="xy")
-
-
-def _is_drawn_in_family(point: reference_time.ErrorAndRunTime, family: str) -> bool:
-    """Return whether the error-over-time figure shows the result of a model on a scene in the colour of a model family.
-
-    ``point``: error and run time of the model on the scene. It is shown if the model belongs to ``family`` and converged,
-    and if the error is above zero.
-    """
-    return point.status == "converged" and largest_error_or_mesh_uncertainty(point) > 0.0 and model_family(point) == family
 
 
 def answers(
@@ -550,10 +383,6 @@ LIMITS = (
         'print and of idealisations is stated separately (page "Uncertainty of the contact loads of the 3D reference").'
     ),
     "For a screw outside this range the models still compute results, with the note that their error is not known.",
-    (
-        "A cold start is a new process with empty caches, library imports included; a further load case takes a "
-        "small part of this time."
-    ),
 )
 
 
@@ -581,21 +410,20 @@ def largest_error_bar_chart(accuracies: Sequence[ModelAccuracy]) -> Figure:
 
 
 def model_accuracy_table(accuracies: Sequence[ModelAccuracy]) -> Table:
-    """Return the table of load errors and run times of each model and 3D mesh level over the shipped scenes.
+    """Return the table of load errors of each model and 3D mesh level over the shipped scenes.
 
-    ``accuracies``: errors and run times of each model and mesh level.
+    ``accuracies``: errors of each model and mesh level.
     """
-    columns = {field: TableColumn(key, label, unit, form) for field, key, label, unit, form in ACCURACY_COLUMNS}
-    rows: list[Row] = [{column: attrgetter(field)(s) for field, column in columns.items()} for s in accuracies]
+    columns = {column: list(map(attrgetter(field), accuracies)) for column, field in ACCURACY_COLUMNS.items()}
     note = (
         "Errors against the finest mesh level of the 3D reference, on the example screws and bearings of rollbench; the "
         f"table reference-time has the values of each. Rule of rollbench check: errors {RULE}; a contact load is within "
         "the limit if its error plus uncertainty is. The finest mesh level is the reference: its mesh uncertainty is "
         "shown as its error, and its RMS error is zero by definition."
     )
-    title = "Errors and run times of each model and 3D mesh level on the example screws and bearings"
-    table = Table.from_rows("overview-models", title, rows, note)
-    return replace(table, csv_only=("label", "rms", "worst_rms"))
+    title = "Errors of each model and 3D mesh level on the example screws and bearings"
+    csv_only = ("long_name", "rms_error_over_scenes_median", "rms_error_over_scenes")
+    return Table("overview-models", title, columns, note, csv_only=csv_only)
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
@@ -605,7 +433,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     """
     step("error against run time, every model and mesh on every scene")
     points = cache.compute_once(reference_time.errors_and_times_of_all_scenes, step)
-    title = "Contact-load errors and run times of each model and 3D mesh level on the example screws and bearings"
+    title = "Contact-load errors of each model and 3D mesh level on the example screws and bearings"
     if not points:
         return Section("overview", title, (Text(("No run of the 3D reference is stored.",)),))
     found = cache.stored_references(tuple(points))
@@ -613,8 +441,6 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     rungs = cache.compute_once(solve_refinement_sequence_on_all_scenes)
     compared = [*compared_points(cache, rungs), *model_errors_on_random_screws()]
     screws, drawn = largest_load_errors_on_screws(compared), len({p.scene for p in model_errors_on_random_screws()})
-    wide = error_distribution_and_time_figure(screws, points, "error-time", (11.0, 4.1))
-    narrow = error_distribution_and_time_figure(screws, points, "error-time-narrow", (3.75, 6.6), label_all_models=False)
     covered = [
         random_screws_paragraph(drawn),
         *compared_scenes_paragraphs({name: cache.built_in_scene(name) for name in points}, found),
@@ -622,7 +448,8 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     count = max((errors.size for errors in screws.values()), default=0)
     total = largest_total_uncertainty(cache, found)
     told = answers(count, largest_check_errors_on_screws(compared), bars, total)
-    limits = (*LIMITS, reference_time.run_time_conditions_sentence(cache, step))
+    timed = measured_on_drawn_screws(cache)
+    told.append(("Run time", run_time_sentence(timed)))
     table = model_accuracy_table(summarise_accuracy_by_model(points))
     step("every model on every quantity")
     step("printed values by table and section")
@@ -633,12 +460,8 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         computed_over_reference_load_figure(cache, found),
         counts_of_reproduced_numbers_table(laid, "printed-values"),
     )
-    summary = Summary(QUESTION, told, wide, narrow, covered, limits, table, items)
-    shown = (
-        largest_error_bar_chart(summarise_accuracy_by_model(points)),
-        table,
-        error_over_further_load_case_time_figure(points),
-    )
+    summary = Summary(QUESTION, told, error_distribution_and_time_figure(screws, timed), covered, LIMITS, table, items)
+    shown: list[Table | Figure] = [largest_error_bar_chart(summarise_accuracy_by_model(points)), table]
     return Section("overview", title, shown, conclusion=told[0][1], summary=summary)
 
 
@@ -649,39 +472,30 @@ def largest_total_uncertainty(cache: SceneResultCache, references: Mapping[str, 
     scene, by name of the scene; if no case study is among them, None is returned.
     """
     cases = {name: ref for name, ref in references.items() if name in REFERENCED}
-    totals = (uncertainty_of_loads(cache.built_in_scene(name), ref).percent for name, ref in cases.items())
+    totals = (uncertainty_of_loads(cache.built_in_scene(name), ref).total for name, ref in cases.items())
     return max(totals, default=None)
 
 
 def error_tables_of_all_quantities(cache: SceneResultCache) -> tuple[Table, Table]:
     """Return the tables of bias and scatter of each computed quantity.
 
-    The first is against the 3D reference, by model; the second against values that others publish or measured.
+    The first is against the 3D reference, by model, from the tables of the section u-val; the second against values that
+    others publish or measured.
     """
-    rows = validated_errors_of_models(cache, cache.compute_once(solve_refinement_sequence_on_all_scenes))
+    errors, scatters = cache.compute_once(tables_of_errors)
     cells: list[Row] = []
-    for s in bias_and_scatter(rows):
-        if s.model not in KINDS:
+    for row in scatters.rows:
+        if row["model"] not in KINDS:
             continue
-        worst = [abs(row.error) for row in rows if (row.model, row.quantity) == (s.model, s.quantity)]
-        name = f"{s.quantity}, in per cent of the mean load" if s.quantity == CONTACTS else s.quantity
-        cells.append(
-            {
-                "quantity": name,
-                "model": s.model,
-                BIAS: s.bias,
-                SCATTER: s.scatter,
-                LARGEST: max(worst),
-                text_column("scenes", "number of screws and bearings"): s.scenes,
-            }
-        )
-    columns = {q.key: q for q in (BIAS, SCATTER)}
+        of_row = [one for one in errors.rows if (one["model"], one["quantity"]) == (row["model"], row["quantity"])]
+        name = f"{row['quantity']}, in per cent of the mean load" if row["quantity"] == CONTACTS else row["quantity"]
+        copied: Row = {column: row[column] for column in ("model", "bias", "scatter")}
+        worst = max(abs(float(one["error_against_reference"] or 0.0)) for one in of_row)
+        cells.append({"quantity": name, **copied, "largest_error": worst, "scenes": row["scenes"]})
     published: list[Row] = []
     for case in all_cases():
         rows_of_case = case.import_object(case.published_errors)(cache) if case.published_errors else {}
-        for quantity, row in rows_of_case.items():
-            known: Row = {columns.get(c.key, text_column("values", "number of values")): v for c, v in row.items()}
-            published.append({"quantity": quantity, **known})
+        published += [{"quantity": quantity} | row for quantity, row in rows_of_case.items()]
     note = "Errors against the finest mesh level of the 3D reference of each screw or bearing."
     against = (
         "Values that makers, measurements and other programs state, each computed by the model or formula that the table "

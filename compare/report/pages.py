@@ -20,7 +20,7 @@ from rollbench.compare.printed import VERDICT_NAMES
 from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.store import load_stored_run
 from rollbench.compare.reference.tasks import ReferenceTask
-from rollbench.compare.running import gmsh_fault, usable_cores
+from rollbench.compare.running import gmsh_fault
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.libraries import MESHING, PICTURES, apt_command
 from rollbench.reports.content import FieldPicture, LoadedScrew, Page, Section, Table
@@ -43,8 +43,10 @@ PAGES = {
     "entries": "All numbers printed in the publications that rollbench recomputes, and whether they are reproduced",
 }
 
+#: Names of the parts that summarise what the other parts used, and are made for each report.
+SUMMARIES = ("notes", "verdicts", "audit")
 #: Names of the parts that summarise results of all other parts, and are therefore made last.
-GATHERING = ("overview", "notes", "verdicts", "audit")
+GATHERING = ("overview", *SUMMARIES)
 
 #: Pages that one process makes if two make the report; the other makes all other pages.
 FIRST_PROCESS = tuple(case.name for case in all_cases() if case.in_first_process)
@@ -119,7 +121,8 @@ def page_summary_sentence(sections: Sequence[Section]) -> str:
     if text:
         return text
     tables = [item for section in sections for item in section.items if isinstance(item, Table)]
-    tally = Counter(str(row["verdict"]) for table in tables for row in table.rows if row.get("verdict"))
+    verdicts = [table.columns[key] for table in tables for key, head in table.heads.items() if head.mark == "verdict"]
+    tally = Counter(str(verdict) for cells in verdicts for verdict in cells if verdict)
     judged = {verdict: count for verdict, count in tally.most_common() if verdict not in APART}
     if not judged:
         return ""
@@ -128,9 +131,6 @@ def page_summary_sentence(sections: Sequence[Section]) -> str:
     words = ", ".join(f"{count} {WORDS.get(verdict, verdict)}" for verdict, count in judged.items())
     return f"Of {total} printed numbers and claims that test a model on this page, {words}{of}."
 
-
-#: Names of the parts that take most of a report's time; they are made only with ``--all`` or ``--fresh``, or if named.
-COSTLY = frozenset({"pictures", "friction", "friction-screw", "rolling", "verification", "stability"})
 
 #: Scene and mesh level of the shipped 3D run that is recomputed as a check: a quarter of a minute on one core.
 CHECKED, LEVEL = "unseen-four-point", 1
@@ -155,36 +155,20 @@ class OmittedParts:
         return f"{', '.join(self.names)}: {self.reason}; {self.command_to_add}"
 
 
-def split_into_made_and_omitted_parts(
-    parts: Sequence[ReportPart], *, named_by_user: bool, with_costly_parts: bool
-) -> tuple[list[ReportPart], list[OmittedParts]]:
-    """Return the requested parts of the report that can be made, and a list of those left out with the reasons.
+def split_into_made_and_omitted_parts(parts: Sequence[ReportPart]) -> tuple[list[ReportPart], list[OmittedParts]]:
+    """Return those of the requested ``parts`` of the report that can be made, and a list of the others with the reason.
 
-    Parts that take long are left out unless the user names parts or requests all. Parts that generate meshes are left out
-    if gmsh cannot be loaded.
-
-    Parameters
-    ----------
-    parts
-        Requested parts.
-    named_by_user
-        Whether the user named these parts.
-    with_costly_parts
-        Whether the user requests the parts that take long.
+    Parts that generate meshes are left out if gmsh cannot be loaded.
     """
-    left: list[OmittedParts] = []
-    out = {part.name for part in parts if part.name in COSTLY} if not (named_by_user or with_costly_parts) else set()
-    if out:
-        names = tuple(part.name for part in parts if part.name in out)
-        left.append(OmittedParts(names, "these parts take most of the time", "to include them: rollbench report --all"))
-    meshing = [part for part in parts if (part.needs_gmsh or part.contents_needing_gmsh) and part.name not in out]
+    left, out = list[OmittedParts](), set[str]()
+    meshing = [part for part in parts if part.needs_gmsh or part.contents_needing_gmsh]
     fault = gmsh_fault() if meshing else ""
     if fault:
         names = tuple(
             f"{part.name} ({part.contents_needing_gmsh})" if part.contents_needing_gmsh else part.name for part in meshing
         )
         left.append(OmittedParts(names, f"gmsh cannot be loaded ({fault})", apt_command(MESHING, PICTURES)))
-        out |= {part.name for part in meshing if part.needs_gmsh}
+        out = {part.name for part in meshing if part.needs_gmsh}
     return [part for part in parts if part.name not in out], left
 
 
@@ -239,7 +223,7 @@ def recompute_shipped_run(stores: Sequence[Path] | None, step: Callable[[str], N
     if stored is None:
         return None
     start = perf_counter()
-    (run,) = compute_reference_runs(ReferenceTask((scene,), LEVEL, processes=usable_cores()), step)
+    (run,) = compute_reference_runs(ReferenceTask((scene,), LEVEL), step)
     mean = mean_load(stored.load)
     percent = float(np.abs(error_percent(run.load, stored.load, mean)).max()) if run.status == "converged" else float("inf")
     return RecomputedRunCheck(CHECKED, LEVEL, percent, perf_counter() - start)

@@ -14,16 +14,19 @@ from typing import Any
 
 from rollbench.compare import __version__
 from rollbench.compare.api.calls import LOG
-from rollbench.compare.case import ReportPart, all_cases
+from rollbench.compare.case import ReportPart, all_cases, modules_for_all_scenes
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.evidence import computations_with_function, evidence
+from rollbench.compare.evidence import computations_with_function, evidence_of_table
 from rollbench.compare.files import check_writable
+from rollbench.compare.models.stored_study import Recomputed, StoredStudies, Study
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.provenance import hashes_of_report_inputs, source_commit
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.reference.parallel import run_jobs
+from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.report import pages as report_pages
 from rollbench.compare.report.changes import read_report_tables, report_differences
+from rollbench.compare.report.runs import compute_missing_3d_runs
 from rollbench.compare.report.scene_page import raise_folder_errors_as_input_errors
 from rollbench.compare.results.base import JSON
 from rollbench.compare.results.data import Written
@@ -43,6 +46,9 @@ from rollbench.meshes.processes import limited_to_one_thread
 from rollbench.reports.content import Report, Section
 
 Step = Callable[[str], None]
+
+#: Text of the first page while stored results are computed again.
+PENDING = "stored results are being computed again; what this says is added when the command ends"
 
 
 def report_origin_facts() -> dict[str, str]:
@@ -78,72 +84,6 @@ class ReportProgressPrinter:
     def print_step(self, text: str) -> None:
         """Print an indented line on a step of the section that is being made."""
         self.say(f"      {text}")
-
-
-def compute_missing_3d_runs(cache: SceneResultCache, engine: ComputingSettings, step: Step, *, fresh: bool = False) -> None:
-    """Compute those runs of the 3D reference that the report needs and that are not stored yet.
-
-    The runs are written to the first folder of stored runs; without such a folder, nothing is done. ``engine``: settings of
-    the computation. ``step`` is called with each line of progress. ``fresh``: whether stored runs are computed anew.
-    """
-    from rollbench.compare.models.comparison import REFERENCED
-    from rollbench.compare.models.modelling import REFINED, VARIED
-    from rollbench.compare.reference.jobs import (
-        ensure_runs_are_stored,
-        expected_time_and_memory,
-        modelling_variant_names,
-        plan_reference_tasks,
-        refinement_variant_names,
-    )
-    from rollbench.compare.reference.levels import LEVELS, STUDIED
-
-    if cache.reference_folders is None:
-        return
-    from rollbench.compare.models.modelling import DEEP, UNSEEN
-    from rollbench.compare.studies.crosscheck.study import scenes_and_levels_for_report as checked_references
-
-    scenes = [cache.built_in_scene(name) for name in REFERENCED]
-    if cache.quick:
-        tasks = plan_reference_tasks(scenes[:2], (min(LEVELS),))
-    else:
-        tasks = plan_reference_tasks(scenes, STUDIED, with_source_mesh=True, leave_out_each_part=True)
-        for name in VARIED:
-            variants = (*modelling_variant_names(), *(refinement_variant_names() if name == REFINED else ()))
-            tasks += plan_reference_tasks([cache.built_in_scene(name)], (), variants)
-        tasks += plan_reference_tasks([cache.built_in_scene(name) for name in UNSEEN], STUDIED)
-        of_cases = (case.import_object(case.references) for case in all_cases() if case.references)
-        for names, levels in chain.from_iterable(of(fresh) for of in (checked_references, *of_cases)):
-            tasks += plan_reference_tasks([cache.built_in_scene(name) for name in names], levels)
-        tasks += plan_reference_tasks([cache.built_in_scene(name) for name in DEEP], (max(LEVELS),))
-        tasks.sort(key=lambda task: -expected_time_and_memory(task).seconds)
-    ensure_runs_are_stored(
-        tasks, cache.reference_folders[0], engine, step, cache.reference_folders[1:], compute_again=fresh
-    )
-    if not cache.quick:
-        save_uncertainty_parameters(cache.reference_folders)
-
-
-def save_uncertainty_parameters(stores: Sequence[Path]) -> None:
-    """Store the two contributions to the uncertainty of the 3D reference that are estimated from all compared scenes.
-
-    One is the part of the mesh uncertainty that the mesh levels of a single scene do not show; the other is due to
-    modelling choices. ``stores``: folders of 3D runs, to the first of which both are written.
-    """
-    from rollbench.compare.models import uncertainty
-    from rollbench.compare.models.modelling import VARIED, combined_modelling_uncertainty, effects_of_changed_choices
-    from rollbench.compare.models.study import SceneResultCache
-    from rollbench.compare.reference import estimate
-    from rollbench.compare.sections.u_val import mesh_uncertainty_parameters
-
-    study = SceneResultCache(stores)
-    known = mesh_uncertainty_parameters(study)
-    if known is not None:
-        estimate.save_uncertainty_of_other_scenes(stores[0], known)
-    scenes = [study.built_in_scene(name) for name in VARIED]
-    modelling = [combined_modelling_uncertainty(scene, effects_of_changed_choices(scene, stores)) for scene in scenes]
-    if all(modelling):
-        effects = {m.scene: uncertainty.largest_choice_effects(m) for m in modelling if m is not None}
-        uncertainty.save_choice_effects(stores[0], effects)
 
 
 def select_report_parts(only: Sequence[str], *, quick: bool = False) -> list[ReportPart]:
@@ -183,14 +123,30 @@ def save_model_errors(cache: SceneResultCache) -> None:
         save_descriptors_of_built_in_scenes(cache.reference_folders[0])
 
 
-def _make_sections_of_part(part: ReportPart, step: Step, cache: SceneResultCache) -> Sequence[Section]:
+def study_of_part(part: ReportPart, step: Step) -> Study:
+    """Return how the sections of one part of the report are made; ``step`` is called with each line of progress."""
+    modules = (part.maker_module, *modules_for_all_scenes(), *chain.from_iterable(case.modules for case in part.cases))
+    return Study(f"section-{part.name}", modules, partial(_make_sections_of_part, part, step))
+
+
+def sections_of_part(part: ReportPart, step: Step, cache: SceneResultCache) -> tuple[Section, ...]:
+    """Return the sections of one part of the report: stored ones, or else made and stored.
+
+    The parts `pages.SUMMARIES` are made each time. ``step`` is called with each line of progress.
+    """
+    if cache.stored_studies is None or part.name in report_pages.SUMMARIES:
+        return _make_sections_of_part(part, step, cache)
+    sections: tuple[Section, ...] = cache.stored_studies.value(cache, study_of_part(part, step))
+    return sections
+
+
+def _make_sections_of_part(part: ReportPart, step: Step, cache: SceneResultCache) -> tuple[Section, ...]:
     """Make the sections of one part of the report.
 
     ``part``: the part, which names the module that makes it. ``step`` is called with each line of progress. After the part
     "ladder" (load errors of the low-order models against the 3D reference), the errors of the models are also stored.
     """
-    path, _, function = part.maker.partition(":")
-    module = import_module(f"{part.package}.{path}")
+    module, function = import_module(part.maker_module), part.maker.partition(":")[2]
     # "section": cases of other packages before 0.15
     usual = "make_section" if hasattr(module, "make_section") else "section"
     made = getattr(module, function or usual)(cache, step)
@@ -199,56 +155,79 @@ def _make_sections_of_part(part: ReportPart, step: Step, cache: SceneResultCache
     return (made,) if isinstance(made, Section) else tuple(made)
 
 
-def _make_parts_in_worker(
-    parts: Sequence[ReportPart], tables: Sequence[str], study_arguments: tuple[Any, ...], print_line: Step, *, keeping: bool
-) -> tuple[dict[str, Sequence[Section]], SceneResultCache]:
-    """Make parts of the report in a worker process.
+def make_parts(
+    parts: Sequence[ReportPart], tables: Sequence[str], study: SceneResultCache, say: Step, *, keeping: bool
+) -> tuple[dict[str, tuple[Section, ...]], SceneResultCache]:
+    """Make parts of the report and compute the values of printed tables, in a process of its own.
 
     Parameters
     ----------
     parts
-        Parts of the report to make.
+        Parts of the report.
     tables
-        Names of files with numbers printed in publications; the values that rollbench computes for these numbers are added
-        to the returned cache.
-    study_arguments
-        Arguments with which the process makes its `SceneResultCache`.
-    print_line
+        Names of printed tables.
+    study
+        Cache with which they are made.
+    say
         Called with each line of progress.
     keeping
         Whether compliances of bodies are stored on disk, as on the command line.
 
     Returns
     -------
-    dict, SceneResultCache
-        Sections of each part by its name, and a cache with the scenes and computed values that these sections used.
+    tuple
+        Sections of each part by its name, and a cache with the scenes and the values of printed tables that they used.
     """
     if keeping:
         cache.switch_on_geometry_cache()
-    study, progress, made = SceneResultCache(*study_arguments), ReportProgressPrinter(len(parts), print_line), {}
+    progress, made = ReportProgressPrinter(len(parts), say), {}
     for part in parts:
         progress.begin_section(part.name)
-        made[part.name] = _make_sections_of_part(part, progress.print_step, study)
-    if tables:
-        evidence(study, *tables)
-    return made, SceneResultCache(
-        scenes=study.scenes, other_scenes=study.other_scenes, evidence_by_table=study.evidence_by_table
-    )
+        made[part.name] = sections_of_part(part, progress.print_step, study)
+    for name in tables:
+        study.compute_once(evidence_of_table, name)
+    values = {key: value for key, value in study.computed_values.items() if key[0] is evidence_of_table}
+    scenes = {key: study.scenes_of_values[key] for key in values}
+    return made, SceneResultCache(used_scene_names=study.used_scene_names, computed_values=values, scenes_of_values=scenes)
+
+
+#: Stored studies that do not agree when computed again: cases contains measured seconds of a solution, rolling
+#: directions of a slip that is round-off.
+NOT_COMPARED = ("section-cases", "section-rolling")
+#: Least number of stored studies that a report computes again: those that its date draws, then the quickest ones.
+LEAST = 20
+
+
+def recompute_studies(names: Sequence[str], study: SceneResultCache, *, keeping: bool) -> list[Recomputed]:
+    """Compute stored studies again, in a process of its own, and return how far they agree.
+
+    ``names``: names of the studies; ``study``, ``keeping``: as for `make_parts`.
+    """
+    studies = study.stored_studies
+    if studies is None:
+        return []
+    if keeping:
+        cache.switch_on_geometry_cache()
+    studies.compared = names
+
+    def quiet(text: str) -> None:
+        """Show no progress."""
+
+    every = [study_of_part(part, quiet) for part in report_pages.SECTIONS]
+    every.append(study_of_3d_runs(ComputingSettings(), quiet, fresh=False))
+    for one in (*every, *(computation.study for computation in computations_with_function().values())):
+        if one.name in names:
+            studies.value(study, one)
+    return studies.recomputed
 
 
 def make_sections(
-    parts: Sequence[ReportPart],
-    show_part_name: Step,
-    step: Step,
-    study: SceneResultCache,
-    *,
-    process_count: int = 1,
-    show_worker_progress: Step = show_progress_message,
-) -> dict[str, Sequence[Section]]:
-    """Make the sections of the report's parts, in one process or in two.
+    parts: Sequence[ReportPart], show_part_name: Step, step: Step, study: SceneResultCache, *, process_count: int = 1
+) -> dict[str, tuple[Section, ...]]:
+    """Make the sections of the report's parts; return those of each part, by its name.
 
-    Of two processes, one makes the pages named in `pages.FIRST_PROCESS` and the other makes the rest. Parts that summarise
-    the results of all others are made last.
+    Those that are not stored are made in one process or in two, of which one makes the pages named in
+    `pages.FIRST_PROCESS`. Parts that summarise the results of all others are made last.
 
     Parameters
     ----------
@@ -257,41 +236,34 @@ def make_sections(
     show_part_name
         Called with the name of each part: before it is made, or when its process has finished.
     step
-        Called with each message on progress within a part.
+        Called with each message on progress, also of the other processes.
     study
         Cache of scenes and solutions; scenes and computed values used in other processes are added to it.
     process_count
         Number of processes; values above 2 count as 2.
-    show_worker_progress
-        Called with each line of progress of the other processes.
-
-    Returns
-    -------
-    dict[str, Sequence[Section]]
-        Sections of each part of the report, by the part's name.
     """
-    sections: dict[str, Sequence[Section]] = {}
-    if process_count > 1:
-        last = [part for part in parts if part.name in report_pages.GATHERING]
-        gathered = [(name, one.case.name) for name, one in computations_with_function().items()] if last else []
-        given = (study.reference_folders, None, study.quick, study.measures_run_times, study.mesh_cache)
-        make, jobs = partial(_make_parts_in_worker, keeping=cache.is_geometry_cache_on()), []
+    sections: dict[str, tuple[Section, ...]] = {}
+    studies, last = study.stored_studies, [part for part in parts if part.name in report_pages.GATHERING]
+    missing = [part for part in parts if part not in last]
+    tables = list(computations_with_function().values()) if last else []
+    if studies is not None:
+        missing = [part for part in missing if studies.stored(study_of_part(part, step)) is None]
+        tables = [one for one in tables if studies.stored(one.study) is None]
+    if process_count > 1 and missing:
+        jobs = []
         for first in (True, False):
-            half = [part for part in parts if part not in last and (part.page_name in report_pages.FIRST_PROCESS) == first]
-            tables = [name for name, case in gathered if (case in report_pages.FIRST_PROCESS) == first]
-            if half or tables:
-                jobs.append((make, (half, tables, given, show_worker_progress)))
+            half = [part for part in missing if (part.page_name in report_pages.FIRST_PROCESS) == first]
+            names = [one.table for one in tables if (one.case.name in report_pages.FIRST_PROCESS) == first]
+            jobs.append((partial(make_parts, keeping=cache.is_geometry_cache_on()), (half, names, study, step)))
         for _, (made, used) in run_jobs(jobs, workers=2):
-            for name in made:
-                show_part_name(name)
             sections |= made
-            study.scenes |= used.scenes
-            study.other_scenes |= used.other_scenes
-            study.evidence_by_table |= used.evidence_by_table
-        parts = last
+            study.record_used_scenes(used.used_scene_names)
+            study.computed_values |= used.computed_values
+            study.scenes_of_values |= used.scenes_of_values
     for part in parts:
         show_part_name(part.name)
-        sections[part.name] = _make_sections_of_part(part, step, study)
+        if part.name not in sections:
+            sections[part.name] = sections_of_part(part, step, study)
     return sections
 
 
@@ -304,7 +276,6 @@ def write_validation_report(
     store: Path = Path("rollbench-reference"),
     engine: ComputingSettings | None = None,
     fresh: bool = False,
-    everything: bool = False,
     against: Path | None = None,
     source: str = "",
     say: Step = show_progress_message,
@@ -330,8 +301,6 @@ def write_validation_report(
         Settings for computing runs of the 3D reference; None: the default.
     fresh
         Whether stored runs are computed again.
-    everything
-        Whether sections that take long are made too.
     against
         Folder of an earlier report, of which changed table cells are listed.
     source
@@ -342,7 +311,7 @@ def write_validation_report(
     Returns
     -------
     CommandOutput
-        Lines for the terminal, and the exit code: 1 if the recomputed run differs from the shipped one.
+        Lines for the terminal, and the exit code: 1 if a recomputed run or study differs from the stored one.
 
     Raises
     ------
@@ -360,49 +329,38 @@ def write_validation_report(
     if fresh and stored:
         advice = "leave `stored` out to compute 3D runs anew"
         raise ArgumentError("fresh", "both fresh and stored", "only one of the two", advice)
-    from rollbench.reports.pages import write_report
+    from rollbench.reports.pages import replace_in_first_page, write_report
 
     with raise_folder_errors_as_input_errors(out):
         check_writable(out / "index.html")
-    wanted, missed = report_pages.split_into_made_and_omitted_parts(
-        wanted, named_by_user=bool(only), with_costly_parts=everything or fresh
-    )
+    wanted, missed = report_pages.split_into_made_and_omitted_parts(wanted)
     meshing = not gmsh_fault()
-    from rollbench.compare.reference.store import shipped_store
-
     stores = (store,) if fresh or quick else (store, shipped_store())
     facts = report_origin_facts()  # before anything is written
     engine = engine or ComputingSettings()
-    runs = any(part.shows_3d_runs for part in wanted)
-    checking = runs and meshing and not (only or stored or fresh or quick)
-    study = SceneResultCache(
-        None if stored else stores, quick=quick, measures_run_times=fresh, mesh_cache=engine.cache_folder
-    )
-    progress = ReportProgressPrinter(len(wanted) + runs + checking + 1, say)
+    runs = any(part.shows_3d_runs for part in wanted) and meshing and not stored
+    searched = () if fresh else (shipped_store(),) if stored else stores
+    studies = None if quick else StoredStudies(searched, None if fresh or stored else store)
+    study = SceneResultCache(None if stored else stores, None, quick, fresh, engine.cache_folder, studies)
+    checking = not (only or source or quick or fresh)
+    progress = ReportProgressPrinter(len(wanted) + runs + 1 + checking, say)
     start = perf_counter()
     if runs:
         progress.begin_section("runs of the 3D reference")
-        if meshing:
-            compute_missing_3d_runs(study, engine, progress.print_step, fresh=fresh)
-    checked = None
-    if checking:
-        progress.begin_section("one shipped run recomputed")
-        checked = report_pages.recompute_shipped_run((shipped_store(),), progress.print_step)
+        ensure_3d_runs(study, engine, progress.print_step, fresh=fresh)
     workers = min(engine.parallel_jobs or 1, usable_cores()) if engine.backend == "joblib" else 1
-    sections = make_sections(
-        wanted, progress.begin_section, progress.print_step, study, process_count=workers, show_worker_progress=say
-    )
+    sections = make_sections(wanted, progress.begin_section, progress.print_step, study, process_count=workers)
     progress.begin_section("drawing and writing")
-    texts = {name: catalogue.shipped_scene_text(name) for name in study.used_scenes}
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
+    texts = {name: catalogue.shipped_scene_text(name) for name in study.used_scenes}
     shipped = "shipped runs where they belong to the same inputs, else computed"
     computed = "computed, coarse meshes only" if quick else "computed" if fresh else shipped
     facts["3D reference"] = "shipped runs" if stored or not meshing else computed
     missed += report_pages.omitted_picture_entries(section for several in sections.values() for section in several)
     if missed:
         facts["left out"] = "; ".join(str(gap) for gap in missed)
-    if checked is not None:
-        facts["live check"] = str(checked)
+    if checking:
+        facts["checks"] = PENDING
     slow = (part.name for part in report_pages.SECTIONS if not part.in_quick_report)
     without = "" if only or source else f", without {', '.join(slow)}"
     report = Report(
@@ -416,11 +374,76 @@ def write_validation_report(
     )
     with raise_folder_errors_as_input_errors(out):
         page = write_report(report, out, progress.print_step)
-    parts = [*([] if checked is None else [f"live check: {checked}"]), *(f"left out: {gap}" for gap in missed)]
+    agree, checks = True, list[str]()
+    if checking:
+        say(f"report: {page} ({perf_counter() - start:.0f} s)")
+        progress.begin_section("stored results computed again")
+        agree, checks = check_stored_results(study, workers, progress.print_step, with_3d_run=runs)
+        replace_in_first_page(page, PENDING, "; ".join(checks), {**report.origin, "checks": "; ".join(checks)})
+    parts = [*checks, *(f"left out: {gap}" for gap in missed)]
     if before is not None:
         parts += [*report_differences(before, read_report_tables(page.parent))] or ["no table cell changed"]
     parts.append(f"report: {page} ({perf_counter() - start:.0f} s)")
-    return CommandOutput(texts_and_tables=parts, exit_code=0 if checked is None or checked.agrees_with_shipped_run else 1)
+    return CommandOutput(texts_and_tables=parts, exit_code=0 if agree else 1)
+
+
+def ensure_3d_runs(study: SceneResultCache, engine: ComputingSettings, step: Step, *, fresh: bool) -> None:
+    """Compute the missing runs of the 3D reference, unless a stored study says that none is missing.
+
+    ``study``, ``engine``, ``step``, ``fresh``: as for `runs.compute_missing_3d_runs`.
+    """
+    if study.stored_studies is None:
+        compute_missing_3d_runs(study, engine, step, fresh=fresh)
+    else:
+        study.stored_studies.value(study, study_of_3d_runs(engine, step, fresh=fresh))
+        study.stored_studies.read_runs()
+
+
+def study_of_3d_runs(engine: ComputingSettings, step: Step, *, fresh: bool) -> Study:
+    """Return how the missing runs of the 3D reference are computed; arguments as for `runs.compute_missing_3d_runs`."""
+    modules = (compute_missing_3d_runs.__module__, *modules_for_all_scenes())
+    return Study("runs", modules, partial(compute_missing_3d_runs, engine=engine, step=step, fresh=fresh))
+
+
+def check_stored_results(
+    study: SceneResultCache, process_count: int, step: Step, *, with_3d_run: bool
+) -> tuple[bool, list[str]]:
+    """Compute stored studies that the date draws again, and a shipped run of the 3D reference, in one process or in two.
+
+    Parameters
+    ----------
+    study
+        Cache of the report.
+    process_count
+        Number of processes; values above 2 count as 2.
+    step
+        Called with each line of progress.
+    with_3d_run
+        Whether a 3D run is computed again.
+
+    Returns
+    -------
+    tuple
+        Whether all agree, and a sentence on each kind.
+    """
+    studies, jobs = study.stored_studies, list[Any]()
+    if studies is not None:
+        drawn = studies.drawn(datetime.datetime.now(datetime.UTC).date().isoformat())
+        names = [name for name in drawn if name not in NOT_COMPARED]
+        quickest = sorted(studies.found.keys() - {*names, *NOT_COMPARED}, key=lambda name: studies.found[name])
+        names += quickest[: max(0, LEAST - len(names))]
+        again = partial(recompute_studies, keeping=cache.is_geometry_cache_on())
+        jobs.append((again, (names, study.without_values())))
+    if with_3d_run:
+        jobs.append((report_pages.recompute_shipped_run, ((shipped_store(),), step)))
+    agree, texts = True, list[str]()
+    for _, found in run_jobs(jobs, workers=min(process_count, len(jobs), 2)):
+        if isinstance(found, list) and studies is not None:
+            studies.recomputed[:] = {one.name: one for one in found}.values()
+            agree, texts = agree and studies.agree, [*texts, f"stored studies: {studies}"]
+        elif found is not None:
+            agree, texts = agree and found.agrees_with_shipped_run, [*texts, f"live check: {found}"]
+    return agree, texts
 
 
 def refuse_unusable_scene_arguments(names: Sequence[str], **given: Any) -> None:
@@ -447,7 +470,6 @@ def report(
     quick: bool = False,
     stored: bool = False,
     fresh: bool = False,
-    everything: bool = False,
     source: str = "",
 ) -> Written:
     """Write the validation report of rollbench, or a page with results and errors of each named scene, as HTML.
@@ -470,8 +492,6 @@ def report(
         Whether only stored runs of the 3D reference are used.
     fresh
         Whether all runs of the 3D reference are computed again.
-    everything
-        Whether sections that take long are made too (``--all``).
     source
         Name of a publication, such as ``"lin"``, whose page alone is written, from stored runs.
 
@@ -486,7 +506,7 @@ def report(
         If an argument cannot be used. If the models cannot describe a scene, the subclass SceneNotCoveredError.
     """
     folder = Path(out)
-    choices = {"only": only, "quick": quick, "stored": stored, "fresh": fresh, "everything": everything, "source": source}
+    choices = {"only": only, "quick": quick, "stored": stored, "fresh": fresh, "source": source}
     given = [name for name, value in choices.items() if value]
     if scene is not None and given:
         value = f"both {given[0]} and a scene"
@@ -506,7 +526,7 @@ def report(
         advice = "name the scene to which the reference belongs"
         raise ArgumentError("reference", str(reference), "only with a scene", advice)
 
-    how: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything, "source": source}
+    how: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "source": source}
     answer = write_validation_report(only, folder, store=Path(store), say=LOG.info, **how)
     passed = answer.exit_code == 0
     return Written(

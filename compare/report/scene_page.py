@@ -18,8 +18,9 @@ from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredE
 from rollbench.compare.gate.user import references_from_file
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models.comparison import solution_from_result
+from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.model_form import FILE, ExpectedError
-from rollbench.compare.models.registry import DEFAULT, ModelOptions, default_model_name, run_model
+from rollbench.compare.models.registry import DEFAULT, default_model_name, run_model
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.models.uncertainty import QUANTITIES, ErrorWithUncertainty, error_with_validation_uncertainty
 from rollbench.compare.quantities import count_with_noun
@@ -27,25 +28,26 @@ from rollbench.compare.reference.estimate import Reference, largest_uncertainty_
 from rollbench.compare.reference.store import path_of_run, shipped_store
 from rollbench.compare.report import parts
 from rollbench.compare.report.axis_page import result_page_of_shaft
+from rollbench.compare.results.friction_run import TransientRun
 from rollbench.compare.results.rows import expected_error_sentence
 from rollbench.compare.results.solved import Result
 from rollbench.compare.results.solving import combine_load_cases, solve_with_results
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
+from rollbench.compare.scenes.scene_file import kind_of_scene
 from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel
 from rollbench.compare.sections.fit import validated_range_figure, validated_range_table
 from rollbench.compare.sections.sketches import sketch_scene
-from rollbench.compare.studies.friction.answer import lines_on_friction_of_screw, losses_by_contact_and_cause
-from rollbench.compare.studies.friction.run import TransientRun, simulate_friction_over_time
+from rollbench.compare.studies.friction.run import simulate_friction_over_time
 from rollbench.compare.studies.friction.whole import (
     MEASURED,
     StaticallySolvedPart,
     drag_torques,
+    friction_of_solved_loads,
     friction_status,
-    notes_on_friction_feedback,
 )
+from rollbench.compare.text.friction import lines_on_friction_of_screw
 from rollbench.compare.text.solved import load_case_rows
-from rollbench.lowfi.friction.whole.losses import CAUSES
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.rating.contacts import WorstContact
 from rollbench.lowfi.statics.contacts import hertz_of_every_contact
@@ -282,7 +284,10 @@ def pressure_and_error_sentence(
         return f"{text}; {file_comparison.reference_text}, {file_comparison.largest_error_clause}."
     if measured_errors and reference is not None:
         v = measured_errors[0]
-        bar = v.uncertainty_text + (f"; {reference.unsettled}" if reference.unsettled else "")
+        parts = [("numerical uncertainty (mesh)", v.uncertainty.discretisation)]
+        parts += [("input uncertainty (tolerances)", v.uncertainty.inputs or 0.0)]
+        bars = [f"{name} {f'{part:.2f} %' if np.isfinite(part) else 'not known'}" for name, part in parts]
+        bar = "; ".join(filter(None, [*bars, reference.unsettled]))
         return f"{text}; loads differ from the 3D reference by up to {abs(v.error):.2f} % of the mean load ({bar})."
     if expected_error.loads is None:
         return f"{text}; the error of these loads is unknown because no similar scene was compared with the 3D reference."
@@ -308,16 +313,11 @@ def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Refe
         panels.append(contact_load_panel(f"screw flank {side}", *series, axis_from_zero=True))
     rows: list[Row] = []
     for i, s in zip(*np.nonzero(result.load > 0.0), strict=True):
-        row: Row = {
-            TableColumn("ball", "number of the ball"): int(i) + 1,
-            TableColumn("side", "flank of the groove", "", "s"): SIDES[int(s)],
-            TableColumn("load", f"contact load by the model {DEFAULT}", "N", ".1f"): float(result.load[i, s]),
-        }
+        row: Row = {"ball": int(i) + 1, "flank": SIDES[int(s)], ("load_of", f"{DEFAULT} model"): float(result.load[i, s])}
         for reference in references:
-            key = "given" if reference.stated else "reference"
-            row[TableColumn(key, f"contact load, {reference.label}", "N", ".1f")] = float(reference.load[i, s])
-        row[TableColumn("angle", "contact angle", "deg", ".2f")] = float(np.degrees(result.contact_angle[i, s]))
-        row[TableColumn("pressure", "peak pressure", "MPa", ".0f")] = float(pressure[i, s])
+            row["load_of", reference.label] = float(reference.load[i, s])
+        row["contact_angle"] = float(np.degrees(result.contact_angle[i, s]))
+        row["peak_pressure"] = float(pressure[i, s])
         rows.append(row)
     items: list[Figure | Table] = [Figure("loads", "Contact load of every ball", tuple(panels))] if panels else []
     note = "Peak pressure by Hertz theory with the radii of each contact."
@@ -344,10 +344,7 @@ def _stiffness_section(found: Result, tangent: TangentStiffness) -> Section:
     )
     values = (None,) * 3 if three is None else (three.contacts_only, three.with_bodies, three.with_unequal_loads)
     rows: list[Row] = [
-        {
-            TableColumn("name", "kind of axial rigidity", "", "s"): name,
-            TableColumn("value", "axial rigidity", "N/um"): None if value is None else 1e-6 * value,
-        }
+        {"rigidity_kind": name, "axial_rigidity": None if value is None else 1e-6 * value}
         for name, value in zip(names, (*values, nut.tangent, at_load.secant, at_load.tangent), strict=True)
     ]
     first = Table.from_rows("rigidity", "Axial rigidity by the formulas of ISO 3408-4 and by the model", rows)
@@ -355,10 +352,7 @@ def _stiffness_section(found: Result, tangent: TangentStiffness) -> Section:
     if tangent.status != "converged":
         return Section("stiffness", title, (first, Text((f"Tangent stiffness: {tangent.status}.",))))
     cells: list[Row] = [
-        {
-            TableColumn("freedom", "component of force or moment", "", "s"): name,
-            **{TableColumn(other, f"per unit of {other}"): float(tangent.matrix[i, k]) for k, other in enumerate(FREEDOMS)},
-        }
+        {"component": name, **{("per_unit_of", other): float(tangent.matrix[i, k]) for k, other in enumerate(FREEDOMS)}}
         for i, name in enumerate(FREEDOMS)
     ]
     note = (
@@ -395,11 +389,11 @@ def _error_section(
         rows: list[Row] = [
             {
                 "quantity": v.quantity,
-                TableColumn("error", "error against the 3D reference", "%", "+.2f"): v.error,
-                TableColumn("grid", "uncertainty of the error by mesh", "%", ".2f"): v.grid,
-                TableColumn("choices", "uncertainty by modelling choices", "%", ".2f"): v.choices,
-                TableColumn("inputs", "uncertainty by input tolerances", "%", ".2f"): v.inputs,
-                TableColumn("u", "validation uncertainty u_val", "%", ".2f"): v.combined,
+                "error_against_reference": v.error,
+                "u_mesh": v.uncertainty.discretisation,
+                "u_choices": v.uncertainty.choices,
+                "u_inputs": v.uncertainty.inputs,
+                "u_val": v.uncertainty.total,
             }
             for v in measured_errors
         ]
@@ -482,11 +476,12 @@ def friction_section(scene: Scene, result: StaticResult, options: ModelOptions) 
         return Section("friction", title, (Text((f"Friction was not computed: {error}.",)),))
     if not state.all_balanced:
         return Section("friction", title, (Text((f"Friction was not computed: {friction_status(state)}.",)),))
-    (drag,) = drag_torques(solved, [state], [scene.friction])
-    lines = lines_on_friction_of_screw(motion, state, (drag.torque, drag.reason_without_torque or drag.note))
+    head = {"scene": scene.name, "title": scene.title, "kind": kind_of_scene(scene)}
+    pairs = [scene.friction], [state], drag_torques(solved, [state], [scene.friction])
+    found = friction_of_solved_loads(solved, result, head, pairs)
     panels = [_torque_over_coefficient_panel(solved, result), _torque_over_ball_size_panel(solved)]
-    notes = [f"{label}: {text}." for label, text in lines]
-    notes += [f"third flank: {text}." for text in notes_on_friction_feedback(solved, result, state)]
+    notes = [f"{label}: {text}." for label, text in lines_on_friction_of_screw(found)]
+    notes += [f"third flank: {text}." for text in found.warnings if text.kind == "third flank"]
     timed = replace(scene, time=_friction_time_span(scene, motion))
     try:
         run = simulate_friction_over_time(timed, scene.friction, motion, DEFAULT, options.member)
@@ -497,16 +492,18 @@ def friction_section(scene: Scene, result: StaticResult, options: ModelOptions) 
         notes += [] if run.converged else [f"Computation of the torque over a turn: {run.status}."]
     rows: list[Row] = [
         {
-            TableColumn("contact", "flank of the contacts", "", "s"): row["contact"],
-            TableColumn("mean_load_N", "mean load of the loaded balls", "N", ".4g"): row["mean_load_N"],
-            TableColumn("bare_N", "mean load without friction", "N", ".4g"): row["mean_load_without_friction_N"],
-            TableColumn("loss_W", "whole friction loss", "W", ".3g"): row["loss_W"],
-            **{TableColumn(cause, f"loss by {cause.replace('_', ' ')}", "W", ".3g"): row[cause] for cause in CAUSES},
+            "flank": row.contact,
+            "mean_load": row.mean_load,
+            "mean_load_without_friction": row.bare_load,
+            "friction_loss_whole": row.loss,
+            ("loss_by", "sliding across"): row.sliding_across,
+            ("loss_by", "sliding along"): row.sliding_along,
+            ("loss_by", "spin"): row.spin,
         }
-        for row in losses_by_contact_and_cause(state)
+        for row in found.by_contact
     ]
-    names = [f"{row['contact']}: {row['loss_W']:.3g} W" for row in losses_by_contact_and_cause(state)]
-    lost, at = [row["loss_W"] for row in losses_by_contact_and_cause(state)], [1.0 + k for k in range(len(names))]
+    names = [f"{row.contact}: {row.loss:.3g} W" for row in found.by_contact]
+    lost, at = [row.loss for row in found.by_contact], [1.0 + k for k in range(len(names))]
     panels.append(Panel("who takes it", "friction loss / W", "", (Series("", lost, at, "bars"),), ordinate_names=names))
     caption = (
         "Panels: friction torque over the angle of the rotating part; over the friction coefficient, in the range of "

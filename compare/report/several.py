@@ -8,14 +8,14 @@ from pathlib import Path
 
 from rollbench.compare.files import check_writable
 from rollbench.compare.provenance import SOURCES
-from rollbench.compare.quantities import count_with_noun, record_as_json
+from rollbench.compare.quantities import count_with_noun
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.report.scene_page import raise_folder_errors_as_input_errors, solve_and_make_page
 from rollbench.compare.results.side_by_side import SideBySide, compare_results_side_by_side
 from rollbench.compare.results.solved import Result
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.solved import number_or_range_text
-from rollbench.reports.content import Item, Row, Section, Table, TableColumn, text_column
+from rollbench.reports.content import Item, Row, Section, Table, TableColumn
 from rollbench.reports.manifest import sha256
 from rollbench.reports.pages import replace_report_folder
 from rollbench.reports.scene_html import ScenePage, scene_page_html
@@ -126,12 +126,12 @@ def scene_comparison_page(
 
 def side_by_side_table(both: SideBySide) -> Table:
     """Return the table of all results of several scenes, with differences from the first scene in per cent."""
-    answers, rows = [record_as_json(one) for one in both.scenes], list[Row]()
+    rows = list[Row]()
     for key, one in both.numbers.items():
-        row: Row = {text_column("quantity", "quantity"): one.label, text_column("unit", "unit"): one.unit or ""}
-        for k, (answer, off) in enumerate(zip(answers, both.difference_percent(key), strict=True)):
-            name = both.scenes[k].scene
-            row[TableColumn(name, name, "", "s")] = number_or_range_text(answer[key])
+        row: Row = {"quantity": one.label, "unit": one.unit or ""}
+        for k, (scene, off) in enumerate(zip(both.scenes, both.difference_percent(key), strict=True)):
+            name = scene.scene
+            row[TableColumn(name, name, "", "s")] = number_or_range_text(one.value(scene))
             if k:
                 row[TableColumn(f"{name}_percent", f"{name}, from {both.scenes[0].scene}", "%", "+.1f")] = off
         rows.append(row)

@@ -8,7 +8,7 @@ import textwrap
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from rollbench.compare.quantities import name_and_unit_of_key, words_and_unit_of_key
 from rollbench.reports.cells import replace_um_by_micrometre
@@ -142,11 +142,6 @@ class Record(ABC):
         """
 
     @property
-    def _shown_path(self) -> str:
-        """Path (keys joined by dots) to the part of the JSON that `table` shows; empty for the whole JSON."""
-        return ""
-
-    @property
     def _notes(self) -> tuple[str, ...]:
         """Sentences printed below the table of results."""
         return ()
@@ -249,26 +244,25 @@ class Record(ABC):
         stated = definition(path)
         return "" if stated is None else stated.definition + (f"; its error: {stated.error}" if stated.error else "")
 
-    #: Headings of the columns of `table`.
-    headings: ClassVar[Sequence[str]] = HEADINGS
+    @property
+    def headings(self) -> Sequence[str]:
+        """Headings of the columns of `table`."""
+        return HEADINGS
 
+    @abstractmethod
     def table(self) -> Sequence[Sequence[str]]:
         """Return the rows of the result's table that notebooks and ``print`` show.
-
-        There is one row for every single value of the JSON, unless the class of the result defines other rows.
 
         Returns
         -------
         Sequence[Sequence[str]]
             Texts of each row, one for each of `headings`.
         """
-        flat = _flatten_json_values(self._json_value_at(self._shown_path), "")
-        return [Row(name, _format_cell_value(value), unit) for name, value, unit in flat]
 
     def __str__(self) -> str:
-        """Return the table of results as aligned text, with the notes below it."""
-        rows = self.table()
-        return "\n".join([*([format_table_as_text(rows, 100, self.headings)] if rows else []), *self._notes])
+        """Return the table of results as aligned text, with the notes below it; a table without notes has long lines."""
+        rows, width = self.table(), 100 if "note" in self.headings else 10_000
+        return "\n".join([*([format_table_as_text(rows, width, self.headings)] if rows else []), *self._notes])
 
     def _repr_html_(self) -> str:
         """Return the table of results as HTML for a notebook, with the notes below it."""
@@ -276,12 +270,12 @@ class Record(ABC):
         return format_table_as_html(self.table(), self.headings) + notes
 
     def _json_value_at(self, path: str) -> JSON:
-        """Return the JSON value at a path, which consists of keys joined by dots; an empty path gives all values.
+        """Return the JSON value at a path, which consists of keys joined by dots.
 
         Raises KeyError, with the available keys, if a key does not exist.
         """
         value: JSON = self.to_dict()
-        for key in path.split(".") if path else ():
+        for key in path.split("."):
             if not isinstance(value, dict) or key not in value:
                 there = ", ".join(value) if isinstance(value, dict) else "none, because this is a single value"
                 raise KeyError(f"{path}: there is no key {key!r}; available keys: {there}")
@@ -308,8 +302,28 @@ class TabularRecord(Record):
         dict
             List or array of each column, by its name; all have the same length. None where a row has no value.
         """
-        rows = self.frame_rows()
-        return {name: [row.get(name) for row in rows] for name in dict.fromkeys(name for row in rows for name in row)}
+        return _columns_of_rows(self.frame_rows())
+
+    @property
+    def shown_rows(self) -> Sequence[Mapping[str, Any]]:
+        """Rows of `table` as values by column: those of the data frame, unless the class of the result shows others."""
+        return self.frame_rows()
+
+    @property
+    def headings(self) -> Sequence[str]:
+        """Headings of the columns of `table`, with units."""
+        return [" ".join(words_and_unit_of_key(name)).rstrip() for name in _columns_of_rows(self.shown_rows)]
+
+    def table(self) -> Sequence[Sequence[str]]:
+        """Return the rows of the table that notebooks and ``print`` show, see `shown_rows`.
+
+        Returns
+        -------
+        Sequence[Sequence[str]]
+            Texts of each row, one for each of `headings`.
+        """
+        columns = _columns_of_rows(self.shown_rows).values()
+        return [[*map(_format_cell_value, row)] for row in zip(*columns, strict=True)]
 
     def units(self) -> dict[str, str]:
         """Return the unit of each column of `columns` by its name; columns without unit are left out.
@@ -380,6 +394,11 @@ def warn_of_deprecation(former_name: str, replacement: str) -> None:
     warnings.warn(f"{former_name} will be removed in the next version: use {replacement}", DeprecationWarning, stacklevel=3)
 
 
+def _columns_of_rows(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
+    """Return the columns of rows by name; None where a row has no value."""
+    return {name: [row.get(name) for row in rows] for name in dict.fromkeys(name for row in rows for name in row)}
+
+
 def _single_values(data: Mapping[str, JSON], path: str = "") -> Iterator[tuple[str, JSON]]:
     """Yield path and value of every number and text in nested JSON objects, but not those inside lists."""
     for key, value in data.items():
@@ -389,29 +408,16 @@ def _single_values(data: Mapping[str, JSON], path: str = "") -> Iterator[tuple[s
             yield f"{path}{key}", value
 
 
-def _flatten_json_values(value: JSON, name: str, list_name: str = "") -> Iterator[tuple[str, JSON, str]]:
-    """Yield name, value and unit of every single value inside a nested JSON value; None and lists of records are left out.
-
-    ``name``: text with which the name of each value begins. ``list_name``: unit of those values whose key does not end with
-    one.
-    """
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            words, unit = words_and_unit_of_key(key)
-            whole = f"{name}: {words}" if name else words
-            if isinstance(inner, dict):
-                yield from _flatten_json_values(inner, whole, unit or list_name)
-            elif inner is not None and not (isinstance(inner, list) and any(isinstance(x, (dict, list)) for x in inner)):
-                yield whole, inner, unit or list_name
-    elif isinstance(value, list):
-        for number, inner in enumerate(value, start=1):
-            yield from _flatten_json_values(inner, f"{name} {number}".strip())
+def values_in_words(row: Mapping[str, Any]) -> str:
+    """Return the values of a row as a line of text, such as ``level 2, cell size 0.5``; without those that are None."""
+    each = ((*words_and_unit_of_key(key), value) for key, value in row.items() if value is not None)
+    return ", ".join(f"{words} {_format_cell_value(value)} {unit}".rstrip() for words, unit, value in each)
 
 
 def _format_cell_value(value: JSON) -> str:
-    """Format a JSON value as the text of a table cell; numbers have five significant digits."""
+    """Format a JSON value as the text of a table cell, empty for None; numbers have five significant digits."""
     if isinstance(value, float):
         return f"{value:.5g}"
     if isinstance(value, list):
         return ", ".join(map(_format_cell_value, value))
-    return str(value)
+    return "" if value is None else str(value)

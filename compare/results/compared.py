@@ -10,23 +10,25 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import SceneNotCoveredError
-from rollbench.compare.measure import LoadError, load_error
+from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models import comparison, model_form
 from rollbench.compare.models.answers import motion_of_unloaded_screw, results_of_contact_loads
 from rollbench.compare.models.loading import solve_with_scaled_loads
+from rollbench.compare.models.model import Model
 from rollbench.compare.models.programs import model_title
-from rollbench.compare.models.registry import DEFAULT, Model
+from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.set_results import SetResult, ball_load_summary
 from rollbench.compare.models.stiffness import LoadPointStiffness, place_of_displacement, place_text
-from rollbench.compare.models.uncertainty import LoadUncertainty, uncertainty_of_loads
+from rollbench.compare.models.uncertainty import Uncertainty, uncertainty_of_loads
 from rollbench.compare.quantities import record_as_json
-from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
+from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import load_stored_run
 from rollbench.compare.results.rows import nested_records, rows_with_reference
 from rollbench.compare.results.solved import AxialResults
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
@@ -34,9 +36,12 @@ from rollbench.meshes.quantity import QuantityDescription, quantity_field, resul
 OURS = "stored 3D reference"
 
 
-@dataclass(frozen=True)
-class LoadsWithErrors:
-    """Contact loads of a model or of a 3D run, with their errors, and the pressure and life that follow."""
+@dataclass(frozen=True, eq=False, repr=False)
+class ModelLoads:
+    """Contact loads of a model or of a 3D run, with their errors, and the pressure and life that follow.
+
+    The four columns of arrays are the groove flanks SL, SR, NL, NR (screw or nut, left or right).
+    """
 
     #: Contact loads and displacements of the model, or of the run of the 3D reference.
     contact_loads: comparison.ContactSolution
@@ -46,19 +51,80 @@ class LoadsWithErrors:
     derived_results: SetResult
     #: Axial position of the screw's section on which the load acts [m]; without a force, the nut's centre.
     place: float
-    #: Axial displacement of the screw's section on which the load acts, to ground, from its unloaded position [m].
-    axial_displacement: float
+    #: Axial displacement of the screw's section on which the load acts, to ground, from its unloaded position [m]; nan if
+    #: not known.
+    displacement: float
     #: Axial force of the screw on the nut [N].
     axial_force: float
     #: Number of contacts that are loaded in the screw without geometric errors.
     nominal_contacts: int
     #: Largest error of a contact load [%] as `rollbench check` defines it (`measure.load_scale_of_check_errors`).
-    gate_error_percent: float = 0.0
+    gate_error: float = 0.0
+    #: Errors of n balls' loads on the four flanks ``(n, 4)`` [% of the mean contact load of the reference]; None for the
+    #: reference itself.
+    errors: Array | None = None
 
     @property
-    def label(self) -> str:
-        """Name of the model, or of the run of the 3D reference, in the JSON."""
+    def name(self) -> str:
+        """Name of the model; ``3D reference``; ``3D level 1`` for a coarser mesh; or the file of a reference."""
         return self.contact_loads.model
+
+    @property
+    def loads(self) -> Array:
+        """Contact loads of n balls on the four groove flanks ``(n, 4)`` [N]."""
+        return self.contact_loads.load
+
+    @property
+    def angles(self) -> Array:
+        """Contact angles of n balls, from the radial plane ``(n, 4)`` [rad]; nan without contact."""
+        return np.where(self.loads > 0.0, np.radians(self.contact_loads.angle), np.nan)
+
+    @property
+    def L10(self) -> float | None:
+        """Life [revolutions], L10 of a nut, L10r of a bearing; None without loads, and outside the formulas' range."""
+        life = self.derived_results.life_by_loads
+        return None if life is None else 1e6 * life.revolutions
+
+    @property
+    def seconds(self) -> float | None:
+        """Computing time of the model or of the reference [s]; None if not measured."""
+        return self.contact_loads.seconds or None
+
+    @property
+    def measured(self) -> str:
+        """Version of rollbench and computer with which the time was measured; empty for those in use now."""
+        return self.contact_loads.measured
+
+    @property
+    @QuantityDescription(
+        "measured_error_percent",
+        "measured largest error of a contact load, in per cent of the reference's mean load",
+        error="`uncertainty.discretisation_percent`",
+    )
+    def largest_error(self) -> float | None:
+        """Largest absolute error of a contact load [% of the mean contact load]; None for the reference itself."""
+        return None if self.error is None else self.error.max_percent
+
+    @property
+    def rms_error(self) -> float | None:
+        """Root mean square error over the loaded contacts [% of the mean contact load]; None for the reference itself."""
+        return None if self.error is None else self.error.rms_percent
+
+    @property
+    def ball(self) -> int:
+        """Number of the ball with the largest error, from 1; 0 for the reference itself."""
+        return 0 if self.error is None else self.error.ball
+
+    @property
+    def side(self) -> str:
+        """Groove flank with the largest error: SL, SR, NL or NR; empty for the reference itself."""
+        return "" if self.error is None else self.error.side
+
+    def __repr__(self) -> str:
+        """Return a text with the name, and for a model its largest and its root mean square error."""
+        if self.error is None:
+            return self.name
+        return f"{self.name}: largest error {self.largest_error:.2f} % of the mean load, RMS {self.rms_error:.2f} %"
 
     @property
     def title(self) -> str:
@@ -77,7 +143,7 @@ def compare_loads_with_reference(
     reference: Reference | None,
     unloaded_displacement: float = 0.0,
     contacts: int | None = None,
-) -> LoadsWithErrors:
+) -> ModelLoads:
     """Compute the errors of contact loads against a reference, and the pressure, life and displacement that follow.
 
     Parameters
@@ -96,7 +162,7 @@ def compare_loads_with_reference(
 
     Returns
     -------
-    LoadsWithErrors
+    ModelLoads
         The contact loads, their errors, and the quantities that follow from the loads.
     """
     angle = np.radians(answer.angle)
@@ -108,7 +174,8 @@ def compare_loads_with_reference(
     force = model_form.axial_contact_force(scene, answer.load, angle)
     points = [] if reference is None else comparison.contact_load_errors(reference, answer.load)
     by_gate = max((abs(p.error) for p in points), default=0.0)
-    return LoadsWithErrors(answer, error, found, at, moved - unloaded_displacement, force, count, by_gate)
+    errors = None if reference is None else np.asarray(error_percent(answer.load, reference.load, reference.mean))
+    return ModelLoads(answer, error, found, at, moved - unloaded_displacement, force, count, by_gate, errors)
 
 
 @result_record
@@ -116,9 +183,9 @@ class NutOrBearingComparison:
     """Comparison of models, and of coarser meshes of the 3D reference, with the reference loads of one nut or bearing."""
 
     #: Contact loads and errors of each model, and of the 3D reference on each coarser mesh.
-    models: tuple[LoadsWithErrors, ...]
+    models: tuple[ModelLoads, ...]
     #: Contact loads of the reference.
-    reference_loads: LoadsWithErrors
+    reference_loads: ModelLoads
     #: Error to expect of the judged model (`judged_model`), estimated from comparisons on other scenes; None if unknown.
     expected: model_form.ExpectedError | None = quantity_field(
         "expected_error_percent",
@@ -141,15 +208,19 @@ class NutOrBearingComparison:
         show=lambda expected: expected and expected.loads,
     )
     #: Uncertainty of the errors, by its causes: mesh and choices of the reference, inputs of the scene.
-    uncertainty: LoadUncertainty
+    uncertainty: Uncertainty = quantity_field(
+        "uncertainty_percent",
+        "uncertainty of the reference's most uncertain contact load that is due to its mesh, at 95 % confidence",
+        show=lambda uncertainty: uncertainty.discretisation,
+    )
     #: Axial displacement of the screw without external loads [m], by the default model; displacements under load are
     #: measured from it.
     unloaded_position: float = 0.0
 
     @property
-    def judged_model(self) -> LoadsWithErrors:
+    def judged_model(self) -> ModelLoads:
         """Contact loads of the model whose error the verdict states: the default model if compared, else the first one."""
-        return next((b for b in self.models if b.label == DEFAULT), self.models[0])
+        return next((b for b in self.models if b.name == DEFAULT), self.models[0])
 
 
 def compare_models_with_reference(
@@ -222,7 +293,7 @@ def compare_models_with_reference(
     itself = compare_loads_with_reference(scene, best, None, shared, count)
     uncertainty = uncertainty_of_loads(scene, reference, inputs=place is None)
     compared = NutOrBearingComparison(tuple(errors), itself, None, uncertainty, shared)
-    return replace(compared, expected=expected.get(compared.judged_model.label))
+    return replace(compared, expected=expected.get(compared.judged_model.name))
 
 
 def _axial_position_without_loads(scene: Scene, unloaded: StaticResult) -> float:
@@ -268,12 +339,12 @@ OF_LOADS = (
 )
 
 
-def records_of_loads(one: LoadsWithErrors) -> dict[str, Any]:
+def records_of_loads(one: ModelLoads) -> dict[str, Any]:
     """Return the records of contact loads, rigidity, pressure and life of a model or of the 3D reference by their keys.
 
     ``one``: the contact loads, from which the other values follow.
     """
-    force, moved = one.axial_force, one.axial_displacement
+    force, moved = one.axial_force, one.displacement
     secant = force / moved if moved * force > 0.0 else None
     return {
         "loads": ball_load_summary(one.contact_loads.load, one.nominal_contacts),
@@ -283,7 +354,7 @@ def records_of_loads(one: LoadsWithErrors) -> dict[str, Any]:
     }
 
 
-def loads_and_rigidities_json(one: LoadsWithErrors) -> dict[str, Any]:
+def loads_and_rigidities_json(one: ModelLoads) -> dict[str, Any]:
     """Return contact loads, rigidity, pressure and life of a model or of the 3D reference as JSON.
 
     ``one``: the contact loads, from which the other values follow. Forces are in N, displacements in um,
@@ -305,17 +376,16 @@ def comparison_json(compared: NutOrBearingComparison, reference: Reference) -> d
         "scene": reference.scene,
         "verdict": comparison_verdict_sentence(compared, reference),
         "levels": list(reference.levels),
-        "uncertainty_percent": largest_uncertainty_percent(reference),
         "reference_status": reference.unsettled or "converged",
         "uncertainty": record_as_json(compared.uncertainty),
-        "model": compared.judged_model.label,
+        "model": compared.judged_model.name,
         **record_as_json(compared),
         "measured_error_percent": None if error is None else error.max_percent,
-        "answers": {b.label: loads_and_rigidities_json(b) for b in (compared.reference_loads, *compared.models)},
+        "answers": {b.name: loads_and_rigidities_json(b) for b in (compared.reference_loads, *compared.models)},
     }
 
 
-def reference_uncertainty_text(reference: Reference, total: LoadUncertainty) -> str:
+def reference_uncertainty_text(reference: Reference, total: Uncertainty) -> str:
     """Return a phrase on the numerical uncertainty and mesh levels of the reference, and on the input uncertainty.
 
     The error of a model is judged by the numerical uncertainty: model and reference have the same inputs. ``total``:
@@ -343,7 +413,7 @@ def comparison_verdict_sentence(compared: NutOrBearingComparison, reference: Ref
         where = f" (ball {e.ball} {e.side})" if e.ball else ""
         phrases.append(
             f"error of {model.title}: {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
-            f"{e.rms_percent:.2f} % RMS, {model.gate_error_percent:.2f} % as judged by rollbench check"
+            f"{e.rms_percent:.2f} % RMS, {model.gate_error:.2f} % as judged by rollbench check"
         )
     if expected is not None:
         percent = "not covered by earlier comparisons" if expected.loads is None else f"{expected.loads:.2f} %"
@@ -367,5 +437,5 @@ def model_and_reference_rows(compared: NutOrBearingComparison) -> tuple[tuple[st
         Headings, and the texts of each row, one for each heading.
     """
     model, reference = compared.judged_model, compared.reference_loads
-    headings = ("quantity", model.title, reference.label, "unit", "difference", "expected")
+    headings = ("quantity", model.title, reference.name, "unit", "difference", "expected")
     return headings, [*rows_with_reference(records_of_loads(model), records_of_loads(reference), compared.expected)]

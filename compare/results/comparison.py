@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -14,17 +14,17 @@ from rollbench.compare.gate.user import references_from_file, stored_reference_o
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.comparison import SceneWithReference, models_shown_for_scene, stored_references
 from rollbench.compare.models.load_cases import rating_life_over_duty_cycle
+from rollbench.compare.models.model import Model
 from rollbench.compare.models.model_form import ExpectedError
-from rollbench.compare.models.registry import Model
+from rollbench.compare.models.uncertainty import Uncertainty
 from rollbench.compare.quantities import json_number, record_as_json
-from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.jobs import ComputingSettings, ensure_runs_are_stored, plan_reference_tasks
 from rollbench.compare.reference.levels import ADVISED, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, shipped_store
 from rollbench.compare.reference.tasks import ReferenceTask, Solvable
 from rollbench.compare.results import compared as results_compared
 from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
-from rollbench.compare.results.compared import LoadsWithErrors, NutOrBearingComparison
+from rollbench.compare.results.compared import ModelLoads, NutOrBearingComparison
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle, LoadCaseOfDutyCycle, load_cases_by_scene_name
 from rollbench.compare.scenes.scene_file import scenes_to_solve
 from rollbench.meshes.arrays import Array
@@ -36,83 +36,6 @@ from rollbench.reports.content import Figure, Panel, Series
 ByCase = Mapping[tuple[str, str], NutOrBearingComparison]
 #: Reference of a nut or bearing, and the comparison of models with it.
 Pair: TypeAlias = tuple[SceneWithReference, NutOrBearingComparison]
-
-
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class Loads:
-    """Contact loads of a model or of the 3D reference, with the pressure, displacement and life that follow from them.
-
-    The four columns of the arrays are the groove flanks SL, SR, NL, NR (screw or nut, left or right).
-    """
-
-    name: str
-    """Name of the model; ``3D reference``; ``3D level 1`` for a coarser mesh of it; or the file of a user's reference."""
-    loads: Array
-    """Contact loads of n balls on the four groove flanks, (n, 4) [N]."""
-    angles: Array
-    """Contact angles of n balls on the four groove flanks, from the radial plane, (n, 4) [rad]; nan without contact."""
-    pressure: float
-    """Largest contact pressure [Pa], from the loads by Hertz's theory."""
-    displacement: float
-    """Axial displacement of the screw at the nut's centre from its unloaded position [m]; nan if not known."""
-    L10: float | None
-    """Life from the loads [revolutions], L10 of a nut, L10r of a bearing; None if no contact is loaded, and outside the
-    formulas' range of validity."""
-    seconds: float | None
-    """Computing time of the model or of the reference [s]; None if not measured."""
-    measured: str
-    """Version of rollbench and computer with which the computing time was measured; empty for those in use now."""
-
-
-@result_record(eq=False, repr=False, kw_only=True)
-class ModelLoads(Loads):
-    """Contact loads of a model, or of the 3D reference on a coarser mesh, with their errors against the reference."""
-
-    errors: Array
-    """Errors of n balls' loads on the four groove flanks, (n, 4) [% of the mean contact load of the reference]."""
-    largest_error: float = quantity_field(
-        "measured_error_percent",
-        "measured largest error of a contact load, in per cent of the reference's mean load",
-        error="`uncertainty.discretisation_percent`",
-    )
-    """Largest absolute error of a contact load [% of the mean contact load]."""
-    rms_error: float
-    """Root mean square error over the loaded contacts [% of the mean contact load]."""
-    gate_error: float
-    """Largest error of a contact load as `check` defines it [%]: relative to the load of that contact, or to the mean load
-    if the contact's load is small."""
-    ball: int
-    """Number of the ball with the largest error, from 1."""
-    side: str
-    """Groove flank with the largest error: SL, SR, NL or NR."""
-
-    def __repr__(self) -> str:
-        """Return a text with the model's name, its largest and its root mean square error."""
-        return f"{self.name}: largest error {self.largest_error:.2f} % of the mean load, RMS {self.rms_error:.2f} %"
-
-
-@result_record
-class Uncertainty:
-    """Uncertainty of the errors in a comparison with the reference, by its causes [% of the mean contact load].
-
-    A cause whose contribution is not known is None.
-    """
-
-    total: float
-    """Total uncertainty: root of the sum of the squares of the uncertainties from all causes."""
-    discretisation: float = quantity_field(
-        "uncertainty_percent",
-        "uncertainty of the reference's most uncertain contact load that is due to its mesh, at 95 % confidence",
-    )
-    """Uncertainty from the finite-element mesh of the reference."""
-    choices: float | None
-    """Uncertainty from modelling choices of the reference, which mesh refinement does not reveal."""
-    inputs: float | None
-    """Uncertainty from the tolerances of the scene's input values."""
-    second_order: float
-    """Uncertainty from large displacements, which the geometrically linear reference neglects."""
-    words: str
-    """Explanation of all causes of uncertainty; for a user's reference, what its file states about its uncertainty."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -135,38 +58,69 @@ class Comparison(TabularRecord):
 
     scene: str
     """Name of the scene; for one of several nuts or bearings, also the name of the nut or bearing."""
-    verdict: str
-    """Sentence on the error of the default model; one line for each nut or bearing and each load case."""
     warnings: tuple[str, ...] = ()
     """Warnings, such as unknown columns of a file."""
-    reference: Loads | None = None
-    """Contact loads of the reference."""
-    levels: tuple[int, ...] = ()
-    """Mesh levels of the 3D reference; empty for a user's reference."""
-    unsettled: str = ""
-    """Sentence on loads of the 3D reference that had not fully converged in its iteration on contact normals and gaps;
-    empty if all had converged."""
-    uncertainties: Array | None = None
-    """Uncertainty of each contact load of the reference, (n, 4) [N]."""
-    uncertainty: Uncertainty | None = None
-    """Uncertainty of the errors in the comparison, by its causes."""
-    models: Mapping[str, ModelLoads] = field(default_factory=dict)
-    """Loads and errors of the models, and of the 3D reference on coarser meshes, by name."""
-    expected_error: ExpectedError | None = None
-    """Error of the default model that was expected from comparisons on other scenes."""
+    pair: Pair | None = None
+    """Reference, and the comparison of models with it, of a single nut or bearing; None with `sets` or `cases`."""
     sets: Mapping[str, Comparison] = field(default_factory=dict)
     """Comparison of each nut or bearing on a shaft with several, by name; empty for a single nut or bearing."""
     cases: Mapping[str, Comparison] = field(default_factory=dict)
     """Comparison of each load case, by name; empty without load cases."""
-    compared: tuple[Pair, ...] = ()
-    """Records of the computation with further details: reference and comparison of each load case and nut or bearing."""
     described: Described | None = None
     """The compared scene; None in the records for single load cases (`cases`) and for single nuts or bearings (`sets`)."""
 
     @property
+    def compared(self) -> tuple[Pair, ...]:
+        """Reference and comparison of each load case and each nut or bearing."""
+        if self.pair is not None:
+            return (self.pair,)
+        return tuple(pair for one in (*self.cases.values(), *self.sets.values()) for pair in one.compared)
+
+    @property
+    def verdict(self) -> str:
+        """Sentence on the error of the default model; one line for each nut or bearing and each load case."""
+        sentence = results_compared.comparison_verdict_sentence
+        return "\n".join(sentence(whole, one.reference) for one, whole in self.compared)
+
+    @property
+    def reference(self) -> ModelLoads | None:
+        """Contact loads of the reference."""
+        return None if self.pair is None else self.pair[1].reference_loads
+
+    @property
+    def models(self) -> dict[str, ModelLoads]:
+        """Loads and errors of the models, and of the 3D reference on coarser meshes, by name."""
+        return {} if self.pair is None else {one.name: one for one in self.pair[1].models}
+
+    @property
+    def levels(self) -> tuple[int, ...]:
+        """Mesh levels of the 3D reference; empty for a user's reference."""
+        return () if self.pair is None else self.pair[0].reference.levels
+
+    @property
+    def unsettled(self) -> str:
+        """Sentence on loads of the 3D reference that had not converged in its iteration on normals and gaps; else empty."""
+        return "" if self.pair is None else self.pair[0].reference.unsettled
+
+    @property
+    def uncertainties(self) -> Array | None:
+        """Uncertainty of each contact load of the reference, (n, 4) [N]."""
+        return None if self.pair is None else self.pair[0].reference.uncertainty
+
+    @property
+    def uncertainty(self) -> Uncertainty | None:
+        """Uncertainty of the errors in the comparison, by its causes."""
+        return None if self.pair is None else self.pair[1].uncertainty
+
+    @property
+    def expected_error(self) -> ExpectedError | None:
+        """Error of the default model that was expected from comparisons on other scenes."""
+        return None if self.pair is None else self.pair[1].expected
+
+    @property
     def errors(self) -> dict[str, float]:
         """Largest error of a contact load of each model [% of the mean contact load], by the model's name."""
-        return {name: one.largest_error for name, one in self.models.items()}
+        return {name: one.error.max_percent for name, one in self.models.items() if one.error is not None}
 
     @property
     def seconds(self) -> dict[str, float | None]:
@@ -203,7 +157,11 @@ class Comparison(TabularRecord):
                 "reference_N": float(self.reference.loads[i, j]),
                 "uncertainty_N": None if self.uncertainties is None else float(self.uncertainties[i, j]),
                 **{f"{model}_N": float(x[i, j]) for model, x in loads.items()},
-                **{f"{model}_error_percent": float(one.errors[i, j]) for model, one in self.models.items()},
+                **{
+                    f"{model}_error_percent": float(one.errors[i, j])
+                    for model, one in self.models.items()
+                    if one.errors is not None
+                },
             }
             for i, j in np.argwhere(touched)
         ]
@@ -237,7 +195,7 @@ class Comparison(TabularRecord):
                 ),
             ]
             title = ", ".join(filter(None, (part, f"flank {SIDES[j]}")))
-            shown.append(Panel(title, "number of the ball", "contact load / N", series, include_zero=True, integer_x=True))
+            shown.append(Panel(title, "number_of_ball", "contact_load", series, include_zero=True, integer_x=True))
         return shown
 
     def to_dict(self) -> dict[str, JSON]:
@@ -264,7 +222,7 @@ class Comparison(TabularRecord):
         return {"scene": self.scene, "sets": results} if self.sets else results[0]
 
     @property
-    def headings(self) -> Sequence[str]:  # type: ignore[override]
+    def headings(self) -> Sequence[str]:
         """Headings of the columns of `table`."""
         return results_compared.model_and_reference_rows(self.compared[0][1])[0]
 
@@ -316,7 +274,7 @@ def make_comparison(described: Described, pairs: Sequence[Pair], warnings: Seque
         return _comparison_of_scene(described.name, pairs, described, warnings)
     by_case = {case.name: [x for x in pairs if x[0].described_scene_name == case.scene.name] for case in described.cases}
     cases = {name: _comparison_of_scene(name, its) for name, its in by_case.items()}
-    return _comparison_record(described.name, pairs, described, warnings, cases=cases)
+    return Comparison(scene=described.name, described=described, warnings=tuple(warnings), cases=cases)
 
 
 def _comparison_of_scene(
@@ -327,82 +285,10 @@ def _comparison_of_scene(
     ``name``: name of the scene or load case. ``pairs``: reference and comparison of each nut or bearing. ``described``: the
     scene to be kept in the record; None if the record is for one of several load cases.
     """
+    whole = Comparison(scene=name, described=described, warnings=tuple(warnings))
     if pairs[0][0].place_on_shaft is None:
-        return _comparison_of_one_nut_or_bearing(name, pairs[0], described, warnings)
-    sets = {x[0].set_name: _comparison_of_one_nut_or_bearing(x[0].reference.scene, x) for x in pairs}
-    return _comparison_record(name, pairs, described, warnings, sets=sets)
-
-
-def _comparison_of_one_nut_or_bearing(
-    name: str, pair: Pair, described: Described | None = None, warnings: Sequence[str] = ()
-) -> Comparison:
-    """Convert the comparison of one nut or bearing with its reference to a `Comparison`.
-
-    ``name``: name of the result. ``pair``: the reference and the comparison with it. ``described``: the scene to be kept in
-    the record; None if the record is for one of several load cases, or for one of several nuts or bearings.
-    """
-    referenced, comparison = pair
-    found, t = referenced.reference, comparison.uncertainty
-    choices = None if t.choices is None else t.choices.percent
-    return _comparison_record(
-        name,
-        [pair],
-        described,
-        warnings,
-        reference=Loads(**_loads_record_fields(comparison.reference_loads)),
-        levels=found.levels,
-        unsettled=found.unsettled,
-        uncertainties=found.uncertainty,
-        uncertainty=Uncertainty(t.percent, t.discretisation, choices, t.inputs, t.second_order, t.uncertainty_text),
-        models={b.label: _model_loads_record(b, found) for b in comparison.models},
-        expected_error=comparison.expected,
-    )
-
-
-def _comparison_record(
-    name: str, pairs: Sequence[Pair], described: Described | None, warnings: Sequence[str], **further_fields: Any
-) -> Comparison:
-    """Return a `Comparison` with the verdict on all pairs of a reference and a comparison, and with ``further_fields``.
-
-    ``name``: name of the result. ``described``: the scene to be kept in the record; None if the record is for one of
-    several load cases, or for one of several nuts or bearings.
-    """
-    verdict = "\n".join(results_compared.comparison_verdict_sentence(whole, one.reference) for one, whole in pairs)
-    further_fields |= {"warnings": tuple(warnings), "compared": tuple(pairs), "described": described}
-    return Comparison(scene=name, verdict=verdict, **further_fields)
-
-
-def _loads_record_fields(one: LoadsWithErrors) -> dict[str, Any]:
-    """Return the fields of a `Loads` record, by name, for a model or the 3D reference.
-
-    ``one``: contact loads of the model or reference; their contact angles are converted to radians.
-    """
-    contacts, life = one.contact_loads, one.derived_results.life_by_loads
-    return {
-        "name": one.label,
-        "loads": contacts.load,
-        "angles": np.where(contacts.load > 0.0, np.radians(contacts.angle), np.nan),
-        "pressure": one.pressure,
-        "displacement": one.axial_displacement,
-        "L10": None if life is None else 1e6 * life.revolutions,
-        "seconds": contacts.seconds or None,
-        "measured": contacts.measured,
-    }
-
-
-def _model_loads_record(one: LoadsWithErrors, reference: Reference) -> ModelLoads:
-    """Return the contact loads of the model ``one`` with their errors against the reference."""
-    assert one.error is not None, "a model has errors"
-    e = one.error
-    return ModelLoads(
-        **_loads_record_fields(one),
-        errors=np.asarray(error_percent(one.contact_loads.load, reference.load, reference.mean)),
-        largest_error=e.max_percent,
-        rms_error=e.rms_percent,
-        gate_error=one.gate_error_percent,
-        ball=e.ball,
-        side=e.side,
-    )
+        return replace(whole, pair=pairs[0])
+    return replace(whole, sets={x[0].set_name: Comparison(scene=x[0].reference.scene, pair=x) for x in pairs})
 
 
 def _comparison_json(comparison: NutOrBearingComparison, referenced: SceneWithReference) -> dict[str, Any]:
@@ -416,16 +302,16 @@ def _comparison_json(comparison: NutOrBearingComparison, referenced: SceneWithRe
         "levels": list(found.levels),
         "reference_status": found.unsettled or "converged",
         "models": {
-            b.label: {
-                "largest_error_percent": None if b.error is None else b.error.max_percent,
-                "rms_error_percent": None if b.error is None else b.error.rms_percent,
-                "largest_load_N": float(b.contact_loads.load.max(initial=0.0)),
+            b.name: {
+                "largest_error_percent": b.largest_error,
+                "rms_error_percent": b.rms_error,
+                "largest_load_N": float(b.loads.max(initial=0.0)),
                 "pressure_MPa": 1e-6 * b.pressure,
-                "displacement_um": json_number(1e6 * b.axial_displacement),
+                "displacement_um": json_number(1e6 * b.displacement),
             }
             for b in comparison.models
         },
-        "answers": {b.label: loads_json(b) for b in (comparison.reference_loads, *comparison.models)},
+        "answers": {b.name: loads_json(b) for b in (comparison.reference_loads, *comparison.models)},
     }
 
 
@@ -433,8 +319,6 @@ def _comparison_json(comparison: NutOrBearingComparison, referenced: SceneWithRe
 class ComparisonInput:
     """Input of a comparison: scenes, their references and the models to compare; its method computes the comparisons."""
 
-    scenes_as_given: Sequence[Described]
-    """Scenes as the user gave them, with all load cases."""
     scenes: Sequence[Solvable]
     """Scenes with one load case each."""
     references: Sequence[Sequence[SceneWithReference]]
@@ -529,7 +413,7 @@ def prepare_comparison(
     if reference is not None:
         names = {name: case.load_case.name for name, case in load_cases_by_scene_name(described).items()}
         given = read_user_references(scenes, reference, names, warnings)
-        return ComparisonInput(described, scenes, given, models, stores, (), warnings, from_user_file=True)
+        return ComparisonInput(scenes, given, models, stores, (), warnings, from_user_file=True)
     without = [s for s in scenes if not stored_references(s, stores)] if levels is None and not fresh else scenes
     failed: list[Run] = []
     if without:
@@ -552,7 +436,7 @@ def prepare_comparison(
             tasks, store, engine, step, stores, compute_again=fresh, after_each_stored_task=report
         )
     references = [stored_references(scene, stores) for scene in scenes]
-    return ComparisonInput(described, scenes, references, models, stores, failed, warnings, from_user_file=False)
+    return ComparisonInput(scenes, references, models, stores, failed, warnings, from_user_file=False)
 
 
 def error_for_unconverged_reference(name: str, failed: Sequence[Run]) -> SceneNotCoveredError:
@@ -697,11 +581,11 @@ def _cycle_summary_of_set(cycle: DutyCycle, name: str, each: ByCase) -> dict[str
     first, judged = by_case[0][1], [(whole.judged_model.error, case.name) for case, whole in by_case]
     error, worst = max(((e.max_percent, case) for e, case in judged if e is not None), default=(None, None))
     lives = {}
-    for label in ("3D reference", *(b.label for b in first.models)):
-        of_case = [{b.label: b for b in (whole.reference_loads, *whole.models)}.get(label) for _, whole in by_case]
+    for label in ("3D reference", *(b.name for b in first.models)):
+        of_case = [{b.name: b for b in (whole.reference_loads, *whole.models)}.get(label) for _, whole in by_case]
         rated, _ = rating_life_over_duty_cycle(cycle, name, [None if b is None else b.contact_loads.load for b in of_case])
         lives[label] = None if rated is None else json_number(rated.revolutions)
-    predicted, reference = lives[first.judged_model.label], lives["3D reference"]
+    predicted, reference = lives[first.judged_model.name], lives["3D reference"]
     off = None if predicted is None or reference is None else float(error_percent(predicted, reference))
-    summary = CycleSummary(first.judged_model.label, error, worst, lives, off)
+    summary = CycleSummary(first.judged_model.name, error, worst, lives, off)
     return {"scene": cycle.name, **({"set": name} if name else {}), **record_as_json(summary)}

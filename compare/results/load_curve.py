@@ -13,10 +13,11 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.many import solve_many
-from rollbench.compare.models.registry import ModelOptions, default_model_name, run_model
-from rollbench.compare.models.stiffness import displacement_of_nut_alone, place_of_displacement, tangent_of_nuts
-from rollbench.compare.quantities import record_as_json
-from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import default_model_name, run_model
+from rollbench.compare.models.stiffness import displacement_of_nuts, place_of_displacement, tangent_of_nuts
+from rollbench.compare.quantities import quantity_value, record_as_json
+from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version, values_in_words
 from rollbench.lowfi.rating.displacement import motion_at
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
@@ -160,7 +161,8 @@ class CurvePoint:
     )
     nut_displacement: float | None = quantity_field(
         "nut_displacement_um",
-        "axial displacement of the nut as `nut.displacement_um`, from the same position; null for several nuts or bearings",
+        "axial displacement of the nut as `nut.displacement_um`, from the same position; of several nuts, or bearings "
+        "where there is no nut, their force over the sum of their secants",
     )
     nut_stiffness: float | None = quantity_field(
         "nut_tangent_N_per_um",
@@ -257,6 +259,11 @@ class LoadCurve(TabularRecord):
         """
         return [record_as_json(point) for point in self.points]
 
+    @property
+    def _notes(self) -> tuple[str, ...]:
+        """Lines below the table: values of the whole curve, such as its lash, then the warnings."""
+        return (values_in_words(record_as_json(self, "points", "warnings", "assumed")), *self.warnings)
+
     def figure(self) -> Figure | None:
         """Return the figure of the curve: a panel for each computed quantity, with the load on the horizontal axis.
 
@@ -265,9 +272,9 @@ class LoadCurve(TabularRecord):
         reports.content.Figure or None
             The figure, as the report draws it; None if there is nothing to draw.
         """
-        rows, panels = self.frame_rows(), []
+        panels = []
         for column, label in LABELS.items():
-            known = [(1e-3 * row["load_N"], row[column]) for row in rows if row[column] is not None]
+            known = [(1e-3 * p.load, y) for p in self.points if (y := quantity_value(p, column)) is not None]
             if known:
                 x, y = zip(*known, strict=True)
                 series = [Series(self.scene, x, y)]
@@ -287,8 +294,6 @@ class _SolutionAtLoad:
     displacement: float = math.nan
     #: Largest contact load [N]; nan without equilibrium.
     largest_load: float = math.nan
-    #: Axial displacement of the nut or bearing [m]; nan without equilibrium, and of several.
-    nut_displacement: float = math.nan
 
 
 def compute_load_curve(
@@ -337,12 +342,11 @@ def compute_load_curve(
             return _SolutionAtLoad(here, result)
         loads = [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]
         moved = float(np.dot(motion_at(result, at)[:3], direction))
-        nut, largest = displacement_of_nut_alone(here, result), max(float(np.max(x, initial=0.0)) for x in loads)
-        return _SolutionAtLoad(here, result, moved, largest, nut)
+        return _SolutionAtLoad(here, result, moved, max(float(np.max(x, initial=0.0)) for x in loads))
 
     bare = solution_at_load(0.0)
     pressed = bare.largest_load > 0.0
-    start, nut_start = (bare.displacement, bare.nut_displacement) if pressed else (0.0, 0.0)
+    start = bare.displacement if pressed else 0.0
     top = max(map(abs, course.values))
     ends, words = _backlash_limits(course, lambda f: solution_at_load(f).displacement, top)
     lash = None if ends is None else ends[1] - ends[0]
@@ -363,12 +367,13 @@ def compute_load_curve(
         """Return the curve's point at a force [N] or load factor; ``torque``: friction torque [N m]."""
         s, free = solution_at_load(value), value == 0.0 and bool(lash)
         tangent, nut_tangent = tangents_at_load(value)
+        known = s.result.converged and not free
         return CurvePoint(
             load=value * unit,
             factor=value if course.factors else None,
             displacement=None if free or math.isnan(s.displacement) else s.displacement - start,
             stiffness=tangent,
-            nut_displacement=None if free or math.isnan(s.nut_displacement) else s.nut_displacement - nut_start,
+            nut_displacement=displacement_of_nuts(s.scene, s.result, bare.result) if known else None,
             nut_stiffness=nut_tangent,
             largest=None if math.isnan(s.largest_load) else s.largest_load,
             torque=torque,
@@ -478,7 +483,7 @@ def _friction_torques(solutions: Sequence[_SolutionAtLoad], member: int) -> list
     from rollbench.compare.models.friction_sums import friction_results_of_scenes  # heavy import
 
     for (k, _), (found, _) in zip(pressed, friction_results_of_scenes([of for _, of in pressed], member), strict=True):
-        torques[k] = None if found is None else 1e-3 * found["friction_torque_Nmm"]
+        torques[k] = None if found is None else found.torque
     return torques
 
 

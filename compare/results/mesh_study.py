@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
+from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version, values_in_words
 from rollbench.reports.content import Figure, Panel, Series
 
 
@@ -174,14 +174,9 @@ class MeshStudy(TabularRecord):
                 yield Panel(heading, "cell size / cell size of the finest level", label, tuple(series))
 
     @property
-    def _shown_path(self) -> str:
-        """Key of the part of the JSON that the table shows."""
-        return "sets" if self.sets else "levels"
-
-    @property
     def _notes(self) -> tuple[str, ...]:
-        """Sentences below the table."""
-        return self.notes
+        """Lines below the table: one with the values of each mesh level, then the sentences on their accuracy."""
+        return (*(values_in_words(x.as_json()) for x in self.levels), *self.notes)
 
 
 #: Largest number of curves in one panel of the figure.

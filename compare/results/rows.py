@@ -7,7 +7,6 @@ HTML page, notebooks and the manual show the same table.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import pi
 from typing import Any
 
 from rollbench.compare.measure import error_percent
@@ -15,17 +14,10 @@ from rollbench.compare.models.load_cases import AxisDrive, DutyCycleResults
 from rollbench.compare.models.loading import COMPONENTS, NOTHING, LiftOff, LoadPath, Preload
 from rollbench.compare.models.model_form import ExpectedError
 from rollbench.compare.models.set_results import SetResult
-from rollbench.compare.quantities import (
-    format_by_error,
-    format_range,
-    heading_and_unit,
-    quantities_of_record,
-    record_as_json,
-)
+from rollbench.compare.quantities import Quantity, format_by_error, format_range, quantities_of_instance, quantity_value
 from rollbench.compare.results.base import Row
-from rollbench.compare.results.data import Friction, FrictionBand
 from rollbench.lowfi.rating.life import SystemLife
-from rollbench.meshes.quantity import QuantityDescription, quantity_descriptions
+from rollbench.meshes.quantity import quantity_descriptions
 
 #: Keys of records in the results, in the order of the table's rows.
 ORDER = (
@@ -91,7 +83,7 @@ def nested_records(record: Any, *without: str) -> dict[str, Any]:
         Keys that are left out.
     """
     found = {x.key: x.shown(getattr(record, name)) for name, x in quantity_descriptions(type(record))}
-    found |= {"rigidities": record.rigidities} if hasattr(record, "rigidities") else {}
+    found |= {key: getattr(record, key) for key in ("rigidities", "friction") if hasattr(record, key)}
     return {key: found[key] for key in ORDER if key in found and key not in without}
 
 
@@ -124,15 +116,13 @@ def record_rows(
     mean = getattr(records.get("loads"), "mean", None)
     for key, record in sorted(records.items(), key=lambda one: ORDER.index(one[0])):
         if record is not None and not (isinstance(record, Preload) and not record.contacts):
-            kind, table = (Friction, record) if isinstance(record, dict) else (type(record), record_as_json(record))
-            found += group_rows(kind, table, "" if key == "rigidities" else key, expected_error, mean, details=details)
+            found += group_rows(record, "" if key == "rigidities" else key, expected_error, mean, details=details)
         found += [row for part in parts for row in _missing_value_rows(key, part)]
     return found
 
 
 def group_rows(
-    kind: type,
-    table: Mapping[str, Any],
+    record: Any,
     group: str = "",
     expected_error: ExpectedError | None = None,
     mean: float | None = None,
@@ -143,10 +133,8 @@ def group_rows(
 
     Parameters
     ----------
-    kind
-        Class of the record.
-    table
-        Its JSON values.
+    record
+        The record.
     group
         Key of the record in the results, with which the names of quantities without heading begin.
     expected_error
@@ -156,14 +144,13 @@ def group_rows(
     details
         Whether to include quantities that a designer seldom needs.
     """
-    known = expected_error if table.get("along", "z") == "z" else None  # compared along the axis only
-    for _, x in quantity_descriptions(kind):
-        key = x.key.removeprefix("torque.")
-        if key == "of" or not (details or x.heading):
+    known = expected_error if getattr(record, "along", "z") == "z" else None  # compared along the axis only
+    for x in quantities_of_instance(record).values():
+        if x.key == "of" or not (details or x.described.heading):
             continue
-        row = _quantity_row(table, key, x, known, mean)
+        row = _quantity_row(record, x, known, mean)
         if row is not None and (details or row.unit or row.value not in ("0", "no")):
-            of = _part_of(table) or ("" if x.heading or not group else f"{group.replace('_', ' ')}: ")
+            of = _part_of(record) or ("" if x.described.heading or not group else f"{group.replace('_', ' ')}: ")
             yield row._replace(quantity=f"{of}{row.quantity}")
 
 
@@ -186,66 +173,46 @@ def rows_with_reference(
     """
     mean = getattr(records.get("loads"), "mean", None)
     for group, record in records.items():
-        table: dict[str, Any] = record_as_json(record) or {}
-        theirs: dict[str, Any] = record_as_json(reference.get(group)) or {}
-        for x in [x for _, x in quantity_descriptions(type(record)) if x.heading] if group != "ratings" else ():
-            value, other = table.get(x.key), theirs.get(x.key)
-            if isinstance(value, float) and isinstance(other, float):
-                name, unit = _quantity_name_and_unit(x)
+        for x in quantities_of_instance(record).values() if group != "ratings" else ():
+            value, other = quantity_value(record, x.key), quantity_value(reference.get(group), x.key)
+            if x.described.heading and isinstance(value, float) and isinstance(other, float):
                 off = f"{float(error_percent(value, other)):+z.2f} %" if other else ""
-                expected = _expected_error_of_value(value, x.expected, expected_error, mean)[1]
-                yield f"{_part_of(table)}{name}", format_by_error(value), format_by_error(other), unit, off, expected
+                expected = _expected_error_of_value(value, x.described.expected, expected_error, mean)[1]
+                values = format_by_error(value), format_by_error(other)
+                yield f"{_part_of(record)}{x.label}", *values, _short_unit(x), off, expected
 
 
-def _quantity_name_and_unit(definition: QuantityDescription) -> tuple[str, str]:
-    """Return the name and the unit of a quantity as the table of results shows them.
-
-    ``definition``: definition of the quantity.
-    """
-    name, unit = heading_and_unit(definition)
-    return name, unit.replace("million revolutions", "1e6 rev")
+def _short_unit(quantity: Quantity) -> str:
+    """Return the unit of a quantity as the table of results shows it."""
+    return quantity.unit.replace("million revolutions", "1e6 rev")
 
 
-def _part_of(table: Mapping[str, Any]) -> str:
-    """Return the part or point to which the quantities of a group belong, as the beginning of their names; often empty."""
-    return f"{table['of']}: " if "of" in table else ""
+def _part_of(record: Any) -> str:
+    """Return the part or point to which the quantities of a record belong, as the beginning of their names; often empty."""
+    return f"{record.of}: " if hasattr(record, "of") else ""
 
 
-def _json_value_at(table: Mapping[str, Any], key: str) -> Any:
-    """Return the value at a key of a JSON object; a dot in the key leads into an inner object.
-
-    Returns ``...`` (Ellipsis) if there is no such key.
-    """
-    value: Any = table
-    for name in key.split("."):
-        value = value.get(name, ...) if isinstance(value, Mapping) else ...
-    return value
-
-
-def _quantity_row(
-    table: Mapping[str, Any], key: str, definition: QuantityDescription, errors: ExpectedError | None, mean: float | None
-) -> Row | None:
+def _quantity_row(record: Any, quantity: Quantity, errors: ExpectedError | None, mean: float | None) -> Row | None:
     """Return the row of one quantity in the table of results; None if the table cannot show its value.
 
-    Shown are numbers, texts, truth values and ranges of two numbers. ``table``: JSON values of the quantity's group.
-    ``key``: key of its value. ``definition``: its definition. ``errors``: errors to expect; None if they are not known.
-    ``mean``: mean contact load [N].
+    Shown are numbers, texts, truth values and ranges of two numbers. ``record``: record with the quantity. ``errors``:
+    errors to expect; None if they are not known. ``mean``: mean contact load [N].
     """
-    value = _json_value_at(table, key)
-    if value in (None, ..., ""):
+    value, stated = quantity.value(record), quantity.described
+    if value in (None, ""):
         return None
-    name, unit = _quantity_name_and_unit(definition)
-    digits = int(definition.form[1:]) if definition.form in ("g2", "g3") else 4
+    name, unit = quantity.label, _short_unit(quantity)
+    digits = int(stated.form[1:]) if stated.form in ("g2", "g3") else 4
     if isinstance(value, str):
         return Row(name, "", note=value)
     if isinstance(value, bool | int) and not unit:
         return Row(name, str(value) if type(value) is int else "yes" if value else "no")
     if isinstance(value, list) and len(value) == 2 and all(isinstance(end, float) for end in value):
-        return Row(name, format_range(value, digits), unit, "", _fill_note_template(table, definition.note))
+        return Row(name, format_range(value, digits), unit, "", _fill_note_template(record, stated.note))
     if not isinstance(value, int | float):
         return None
-    error, words = _expected_error_of_value(value, definition.expected, errors, mean)
-    return Row(name, format_by_error(value, error, digits), unit, words, _fill_note_template(table, definition.note))
+    error, words = _expected_error_of_value(value, stated.expected, errors, mean)
+    return Row(name, format_by_error(value, error, digits), unit, words, _fill_note_template(record, stated.note))
 
 
 def _expected_error_of_value(
@@ -266,12 +233,13 @@ def _expected_error_of_value(
     return abs(whole or 0.0) * times * percent / 100.0, f"{text} of mean" if whole is mean_load else text
 
 
-def _fill_note_template(table: Mapping[str, Any], template: str) -> str:
+def _fill_note_template(record: Any, template: str) -> str:
     """Return the note of a table row: a template with its placeholders replaced by values; empty if a value is missing.
 
-    ``table``: JSON values by key. ``template``: text such as ``ball {worst_ball}``.
+    ``record``: record with the values. ``template``: text such as ``ball {worst_ball}``, with keys of quantities.
     """
-    known = {key: format_by_error(x) if isinstance(x, float) else x for key, x in table.items() if x is not None}
+    found = {x.key: x.value(record) for x in quantities_of_instance(record).values() if f"{{{x.key}" in template}
+    known = {key: format_by_error(x) if isinstance(x, float) else x for key, x in found.items() if x is not None}
     values = {key: x.rstrip("0").rstrip(".") if isinstance(x, str) and "." in x else x for key, x in known.items()}
     try:
         return template.format_map(values)
@@ -348,37 +316,6 @@ def bearing_and_nut_rows(sets: Mapping[str, SetResult]) -> list[dict[str, Any]]:
     return [{key: row[key] or "–" for key in row if any(x[key] for x in found)} for row in found]
 
 
-def quantity_value(record: Any, key: str) -> Any:
-    """Return a quantity of a record in the unit of its key; None if the record is None or has no such quantity."""
-    kind: Any = type(record)
-    stated = quantities_of_record(kind).get(key)
-    return None if stated is None else stated.value(record)
-
-
-def friction_rows(found: Friction) -> list[Row]:
-    """Return the table rows of the friction of a whole screw or bearing, or of several nuts or bearings on one shaft.
-
-    Parameters
-    ----------
-    found
-        The friction.
-
-    Returns
-    -------
-    list[Row]
-        The rows; empty for other kinds of scene.
-    """
-    torque = {} if found.sets == () else found.torques_as_json()
-    if torque and found.speed is not None:
-        torque |= {"losses": {"total_W": found.loss}, "speed_rpm": float(f"{abs(found.speed) * 30.0 / pi:.6g}")}
-    band = record_as_json(found.band) or {}
-    if band:
-        band |= dict(zip(("least", "most"), band["coefficients"], strict=True))
-    groups = (Friction, torque), (FrictionBand, band), (AxisDrive, record_as_json(found.drive) or {})
-    rows = [row for kind, table in groups for row in group_rows(kind, table)]
-    return [*rows, *_missing_value_rows("drive", found)]
-
-
 def duty_cycle_rows(cycle_results: DutyCycleResults) -> list[Row]:
     """Return the table rows with extremes and lives over all load cases of a duty cycle.
 
@@ -394,10 +331,7 @@ def duty_cycle_rows(cycle_results: DutyCycleResults) -> list[Row]:
     """
     lives = cycle_results.shortest_lives
     records = nested_records(lives) | ({"axis_life": cycle_results.axis_life} if len(cycle_results.lives) > 1 else {})
-    rows = [
-        *group_rows(DutyCycleResults, record_as_json(cycle_results)),
-        *record_rows(records, None, (lives, cycle_results)),
-    ]
+    rows = [*group_rows(cycle_results), *record_rows(records, None, (lives, cycle_results))]
     rows = [row._replace(note=cycle_results.shortest) if row.quantity == "life L10" else row for row in rows]
     if cycle_results.uncovered:
         rows.append(Row("error to expect", "not covered", note=f"cases {', '.join(cycle_results.uncovered)}"))

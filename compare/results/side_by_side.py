@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.quantities import json_number, quantities_of_record, record_as_json
-from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
+from rollbench.compare.quantities import Quantity, json_number, quantities_of_record, record_as_json
+from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version, values_in_words
 from rollbench.compare.results.solved import Result
 from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
-from rollbench.reports.content import Figure, Panel, Series, TableColumn
+from rollbench.reports.content import Figure, Panel, Series
 
 #: Range of a quantity: its lower and upper limit.
 Band = tuple[float, float]
@@ -184,7 +184,7 @@ class SideBySide(TabularRecord):
         >>> [round(x, 1) for x in both.difference_percent("nut_displacement_um")]
         [0.0, -0.6]
         """
-        values = [record_as_json(one)[key] for one in self.scenes]
+        values = map(quantities_of_record(Alternative)[key].value, self.scenes)
         middles = [None if x is None else float(np.mean(x)) for x in values]
         first = middles[0]
         if first is None:
@@ -192,10 +192,10 @@ class SideBySide(TabularRecord):
         return tuple(None if x is None else json_number(float(error_percent(x, first))) for x in middles)
 
     @property
-    def numbers(self) -> dict[str, TableColumn]:
+    def numbers(self) -> dict[str, Quantity]:
         """Quantities that at least one scene answers, by their JSON keys."""
-        of, answers = quantities_of_record(Alternative), [record_as_json(one) for one in self.scenes]
-        return {key: of[key] for key in NUMBERS if any(answer[key] is not None for answer in answers)}
+        of = quantities_of_record(Alternative)
+        return {key: of[key] for key in NUMBERS if any(of[key].value(one) is not None for one in self.scenes)}
 
     def frame_rows(self) -> Sequence[Mapping[str, Any]]:
         """Return a row for each scene; a range of torque has a column for each end.
@@ -208,15 +208,20 @@ class SideBySide(TabularRecord):
         rows = []
         for one in self.scenes:
             row: dict[str, Any] = {"scene": one.scene, "status": one.status}
-            for key, value in record_as_json(one).items():
-                if key not in self.numbers:
-                    continue
+            for key, quantity in self.numbers.items():
+                value = quantity.value(one)
                 if isinstance(value, list):
                     row |= {f"{end}_{key}": x for end, x in zip(("lowest", "highest"), value, strict=True)}
                 else:
                     row[key] = value
             rows.append(row)
         return rows
+
+    @property
+    def _notes(self) -> tuple[str, ...]:
+        """Lines below the table: which input differs, then the difference of each quantity from the first scene."""
+        each = (values_in_words({x.label: list(self.difference_percent(key))}) for key, x in self.numbers.items())
+        return (self.inputs_in_words, *(f"difference in per cent: {words}" for words in each))
 
     def figure(self) -> Figure | None:
         """Return the figure of every quantity's difference from the first scene, in per cent, by scene.
@@ -336,8 +341,8 @@ def _torque_ranges_and_inertia(one: Result) -> tuple[Band | None, Band | None, f
     if one.bearing_torque is not None:
         return one.bearing_torque.running, one.bearing_torque.starting, None
     sums = None if one.only is None else one.only.friction
-    driving = None if sums is None else sums["driving_torque_on_screw_Nmm"]
-    return None if driving is None else (1e-3 * driving, 1e-3 * driving), None, None
+    driving = None if sums is None else sums.driving_torque_on_screw
+    return None if driving is None else (driving, driving), None, None
 
 
 def _names_of_differing_inputs(scenes: Sequence[Scene | Assembly]) -> list[str]:

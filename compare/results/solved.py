@@ -21,6 +21,7 @@ from rollbench.compare.models.set_results import Balls, SetResult, flank_load_su
 from rollbench.compare.models.stiffness import LoadPointStiffness, NutStiffness, stiffness_together
 from rollbench.compare.quantities import count_with_noun, json_number, record_as_json
 from rollbench.compare.results.base import (
+    HEADINGS,
     JSON,
     Row,
     TabularRecord,
@@ -45,7 +46,7 @@ from rollbench.lowfi.statics.tangent import TangentStiffness
 from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
+from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 if TYPE_CHECKING:
@@ -99,25 +100,6 @@ class AxialResults:
         heading="rigidity over the load step",
         optional=True,
         default=None,
-    )
-
-
-@result_record
-class StiffnessAtPosition:
-    """Tangent stiffness (6, 6) [N/m, N/rad, N m/rad] at an axial position [m]; nan in fixed degrees of freedom."""
-
-    station: float | None = quantity_field(
-        "station_mm", "axial position on the shaft at which the 6 x 6 stiffness is taken"
-    )
-    status: str = quantity_field("status")
-    """Status of the solution, such as "converged"."""
-    freedoms: tuple[str, ...] = quantity_field("freedoms")
-    """Names of the degrees of freedom of the rows and columns: ux, uy, uz, rx, ry, rz."""
-    matrix: Array = quantity_field(
-        "matrix",
-        "row by row: change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] of the shaft at "
-        "this position, with the nut fixed; null in degrees of freedom that a support fixes",
-        parts="[][]",
     )
 
 
@@ -438,10 +420,11 @@ class Result(TabularRecord, Balls):
         """Return the tangent stiffness with its place as JSON, null in fixed degrees of freedom; None if not computed."""
         found, K = self.solution, self.tangent
         if K is not None:
-            return record_as_json(StiffnessAtPosition(K.station, str(K.status), FREEDOMS, K.matrix))
+            return record_as_json(K)
         if not isinstance(found, AxisResult) or found.stiffness is None:
             return None
-        of_axis = StiffnessAtPosition(found.station, str(found.status), FREEDOMS, found.stiffness)
+        station = np.nan if found.station is None else found.station
+        of_axis = TangentStiffness(station=station, status=found.status, matrix=found.stiffness)
         return {"at": found.stiffness_at} | record_as_json(of_axis)
 
     def frame_rows(self) -> Sequence[Mapping[str, Any]]:
@@ -513,9 +496,7 @@ class Result(TabularRecord, Balls):
             for j in np.flatnonzero((loads > 0.0).any(axis=0)):
                 title = ", ".join(filter(None, (case, name, f"flank {SIDES[j]}")))
                 series = (Series("", balls, loads[:, j].tolist()),)
-                found.append(
-                    Panel(title, "number of the ball", "contact load / N", series, include_zero=True, integer_x=True)
-                )
+                found.append(Panel(title, "number_of_ball", "contact_load", series, include_zero=True, integer_x=True))
         return found
 
     def view(self, path: str | Path) -> Path:
@@ -606,6 +587,8 @@ class Result(TabularRecord, Balls):
             elif s.on_shaft is not None:
                 sets.append(NutOrBearingView(s.name, s.kind, s.parts, s.position, s.on_shaft.of.thrust))
         return LoadCaseView(name, sets, scene if isinstance(scene, Assembly) else None)
+
+    headings = HEADINGS
 
     def table(self) -> Sequence[Row]:
         """Return the rows of the table that ``rollbench solve`` prints.

@@ -14,8 +14,9 @@ from rollbench.compare.models.load_cases import (
     motor_torques_and_inertias,
     with_friction_of_nuts,
 )
+from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.model_form import estimate_double_nut_error, estimate_model_error
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.models.set_results import SetResult
 from rollbench.compare.models.stiffness import place_of_displacement, stiffness_of_scene
 from rollbench.compare.results.solved import AxialResults, CycleResult, Result
@@ -61,28 +62,18 @@ def solve_with_results(
         If the model does not cover the scene.
     """
     if isinstance(scene, Assembly):
-        moved = scene if stiffness_at is None else replace(scene, stiffness_at=stiffness_at)
-        return _with_drive_and_life(solve_shaft(moved, model, options.member))
-    found = _solve_single(scene, model, options)
-    if not found.converged or (stiffness_at is None and not stiffness):
-        return found
-    if stiffness_at is not None:
-        return replace(found, tangent=answers.tangent_stiffness_at(scene, stiffness_at, model, options))
-    return replace(found, tangent=answers.tangent_stiffness_at_nut(scene, model, options)[0])
-
-
-def _solve_single(scene: Scene, model: str, options: ModelOptions) -> Result:
-    """Solve a scene with one nut or bearing row, and compute all results; InputError if the model does not cover it."""
+        shaft_scene = scene if stiffness_at is None else replace(scene, stiffness_at=stiffness_at)
+        return _with_drive_and_life(solve_shaft(shaft_scene, model, options.member))
     result = run_model(scene, model, options)
     if not result.converged:
         return Result(described=scene, solution=result, sets={"": SetResult(parts=scene, balls=result)})
     solutions = loading.SolutionsByLoad(scene, result, model, options)
     bare = solutions.at(0.0)
-    stiffness = stiffness_of_scene(scene, result, bare, model, options)
+    stated = stiffness_of_scene(scene, result, bare, model, options)
     at = place_of_displacement(scene)
     moved = motion_at(result, at) - answers.motion_of_unloaded_screw(bare, at)
     (lift_off,) = loading.find_lift_off_loads(solutions)
-    one = answers.results_of_single(scene, result, bare, stiffness.nut, lift_off, options.member)
+    one = answers.results_of_single(scene, result, bare, stated.nut, lift_off, options.member)
     path = loading.load_path_of_scene(scene, result, bare)
     warned = [*answers.warnings_of_set(one, loading.absolute_axial_preload(one.preload))]
     if scene.friction is not None:
@@ -90,13 +81,19 @@ def _solve_single(scene: Scene, model: str, options: ModelOptions) -> Result:
     warned += [*loading.load_path_warnings(path), *answers.axial_play_warnings(scene)]
     shaft = shaft_limits(scene, result)
     warned += [] if shaft is None else shaft.warnings
+    tangent = None
+    if stiffness_at is not None:
+        tangent = answers.tangent_stiffness_at(scene, stiffness_at, model, options)
+    elif stiffness:
+        tangent = answers.tangent_stiffness_at_nut(scene, model, options)[0]
     return Result(
         described=scene,
         solution=replace(result, warnings=(*result.warnings, *warned)),
         sets={"": one},
         axial=AxialResults(axial_force(result), answers.load_step_stiffness(scene, model, options)),
-        load_point=stiffness.load_point,
-        tangent_words=stiffness.words,
+        load_point=stated.load_point,
+        tangent=tangent,
+        tangent_words=stated.words,
         displacement=None if np.isnan(moved).all() else moved,
         shaft=shaft,
         load_path=path,

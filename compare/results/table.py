@@ -10,7 +10,7 @@ from typing import Any, cast
 import numpy as np
 
 from rollbench.compare.quantities import name_and_unit_of_key, quantities_of_record, record_as_json
-from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
+from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version, values_in_words
 from rollbench.meshes.arrays import Array, RecordWithArrays
 from rollbench.meshes.parts import FREEDOMS
 from rollbench.meshes.quantity import quantity_field, result_record
@@ -197,8 +197,6 @@ class Table(TabularRecord):
         dict
             JSON values by key; rows have no keys of quantities that were not requested.
         """
-        wanted = {name for quantity in self.quantities for name in QUANTITIES[quantity][1]}
-        without = {name for _, of in QUANTITIES.values() for name in of} - wanted
         return add_schema_version(
             {
                 "scene": self.scene,
@@ -209,9 +207,15 @@ class Table(TabularRecord):
                 "stiffness_of": self.stiffness_of,
                 "station_mm": None if self.station is None else 1e3 * self.station,
                 "converged": self.converged,
-                "rows": [place | record_as_json(row, *without) for place, row in zip(self.places, self.rows, strict=True)],
+                "rows": self._rows_as_json(),
             }
         )
+
+    def _rows_as_json(self) -> list[dict[str, Any]]:
+        """Return the rows as JSON: values of the varied parameters, and those quantities that were asked for."""
+        wanted = {name for quantity in self.quantities for name in QUANTITIES[quantity][1]}
+        without = {name for _, of in QUANTITIES.values() for name in of} - wanted
+        return [place | record_as_json(row, *without) for place, row in zip(self.places, self.rows, strict=True)]
 
     @property
     def converged(self) -> int:
@@ -248,7 +252,13 @@ class Table(TabularRecord):
         list
             Row of each line of the frame, by the names of its columns.
         """
-        return [dict(_flatten_table_row(row)) for row in cast("list[dict[str, Any]]", self.to_dict()["rows"])]
+        return [dict(_flatten_table_row(row)) for row in self._rows_as_json()]
+
+    @property
+    def _notes(self) -> tuple[str, ...]:
+        """Line below the table: model, and where the stiffness is taken."""
+        station = None if self.station is None else 1e3 * self.station
+        return (values_in_words({"model": self.model, "stiffness_of": self.stiffness_of, "station_mm": station}),)
 
     def figure(self) -> Figure | None:
         """Return the figure of each quantity over the varied parameter with most values; None without such a parameter.

@@ -19,7 +19,7 @@ from rollbench.compare.gate.verdict import (
 from rollbench.compare.models.comparison import RULE
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
-from rollbench.compare.scenes.duty_cycle import Described, load_cases_by_scene_name
+from rollbench.compare.scenes.duty_cycle import Described, LoadCaseOfDutyCycle, load_cases_by_scene_name
 from rollbench.compare.scenes.scene_file import scenes_to_solve
 from rollbench.reports.content import Figure
 
@@ -80,6 +80,29 @@ class Verdict(TabularRecord):
         return max(gravest, key=lambda row: abs(row.error or 0.0) / row.limit, default=None)
 
     @property
+    def cases(self) -> list[tuple[LoadCaseOfDutyCycle, Verdict]]:
+        """Load cases of the judged scenes, each with the verdict on it; empty without load cases."""
+        out = []
+        for case in load_cases_by_scene_name(self.described).values():
+            names = case.duty_cycle.name, case.load_case.name
+            out.append((case, replace(self, rows=tuple(row for row in self.rows if (row.scene, row.case) == names))))
+        return out
+
+    @property
+    def worst_cases(self) -> list[tuple[LoadCaseOfDutyCycle, Verdict]]:
+        """Load case that determines the verdict on each scene, with the verdict on the case; the worst case first."""
+        found: dict[str, tuple[LoadCaseOfDutyCycle, Verdict]] = {}
+        for case, one in sorted(self.cases, key=lambda pair: pair[1]._graveness):
+            found.setdefault(case.duty_cycle.name, (case, one))
+        return [*found.values()]
+
+    @property
+    def _graveness(self) -> tuple[int, float]:
+        """Order among verdicts, the worst first: by judgement, then by the largest ratio of error to limit."""
+        ratios = (abs(row.error or 0.0) / row.limit for row in self.rows)
+        return [*CODES].index(self.judgement), -max(ratios, default=0.0)
+
+    @property
     def word(self) -> str:
         """Worst judgement of all rows as text, such as "undecided"."""
         return self.judgement.value
@@ -92,8 +115,16 @@ class Verdict(TabularRecord):
         dict
             JSON values by key.
         """
-        rest: dict[str, Any] = {"warnings": list(self.warnings), "not_judged": list(self.not_judged)}
-        return add_schema_version(verdicts_json(self.described, self.rows) | rest)
+        data: dict[str, Any] = {"verdict": self.word, "passed": self.passed, "verdicts": [v.as_json() for v in self.rows]}
+        if self.cases:
+            data["worst_cases"] = [
+                {"scene": x.duty_cycle.name, "case": x.load_case.name, "verdict": one.word} for x, one in self.worst_cases
+            ]
+            data["cases"] = [
+                x.identifying_values | {"verdict": one.word, "verdicts": [v.as_json() for v in one.rows]}
+                for x, one in self.cases
+            ]
+        return add_schema_version(data | {"warnings": list(self.warnings), "not_judged": list(self.not_judged)})
 
     def frame_rows(self) -> Sequence[Mapping[str, Any]]:
         """Return a row for each judged quantity; mesh levels are a text such as "1, 3".
@@ -243,36 +274,3 @@ def judge_load_cases(
         lost = Judgement.NOT_CONVERGED if v.judgement is Judgement.FAIL and v.error is None else v.judgement
         out.append(v if case is None else replace(v, scene=case.duty_cycle.name, case=case.load_case.name, judgement=lost))
     return out
-
-
-def verdicts_json(described: Sequence[Described], verdicts: Sequence[VerdictRow]) -> dict[str, Any]:
-    """Convert the judgements of all scenes to JSON values.
-
-    Parameters
-    ----------
-    described
-        The judged scenes.
-    verdicts
-        Judgements of all scenes and load cases.
-
-    Returns
-    -------
-    dict
-        The judgements and the worst of them. With load cases, also the judgements of each case, and the case that
-        determines the verdict of each scene.
-    """
-    gravest = worst_judgement([v.judgement for v in verdicts])
-    data: dict[str, Any] = {"verdict": str(gravest), "passed": bool(gravest), "verdicts": [v.as_json() for v in verdicts]}
-    cases, graveness = [], []
-    for case in load_cases_by_scene_name(described).values():
-        its = [v for v in verdicts if (v.scene, v.case) == (case.duty_cycle.name, case.load_case.name)]
-        word = worst_judgement([v.judgement for v in its])
-        beyond = max((abs(v.error or 0.0) / v.limit for v in its), default=0.0)
-        cases.append(case.identifying_values | {"verdict": str(word), "verdicts": [v.as_json() for v in its]})
-        graveness.append(([*CODES].index(word), -beyond))
-    if not cases:
-        return data
-    worst: dict[str, dict[str, Any]] = {}
-    for k in sorted(range(len(cases)), key=graveness.__getitem__):
-        worst.setdefault(cases[k]["scene"], {key: cases[k][key] for key in ("scene", "case", "verdict")})
-    return data | {"worst_cases": [*worst.values()], "cases": cases}

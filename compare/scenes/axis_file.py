@@ -60,6 +60,8 @@ def shaft_scene_from_keys(
         Record of the shaft; of its load cases (DutyCycle) if the file has a table ``[[cases]]``.
     """
     shaft = _checked_shaft_from_keys(keys, tables, file_name, name)
+    if not keys.cases:
+        return shaft
     return from_keys.with_load_cases(shaft, keys.cases, tables, file_name, _geometry_faults_of_scene)
 
 
@@ -78,7 +80,7 @@ def _checked_shaft_from_keys(
     ``keys``: validated keys of the file; ``raw``: tables of the file, for the faulty values in messages; ``origin``: name
     of the file, for messages; ``name``: name of the scene. SceneError for faults.
     """
-    raise_scene_error_for_faults(origin, raw, [*_conflicting_key_faults(keys, raw), *from_keys.load_case_faults(keys)])
+    raise_scene_error_for_faults(origin, raw, list(_conflicting_key_faults(keys, raw)))
     sets = tuple(_rolling_set_from_keys(keys, i, raw, origin) for i in range(len(keys.sets)))
     raise_scene_error_for_faults(origin, raw, list(_position_faults(keys, sets)))
     if _describes_one_nut_or_bearing(keys):
@@ -105,7 +107,7 @@ def _checked_shaft_from_keys(
         supports=tuple(map(from_keys.support_from_keys, keys.supports)),
         ingredients=record_from_keys(Ingredients, keys.ingredients),
         assumed=(*keys.assumed, *_assumptions_on_nuts_and_bearings(keys, sets)),
-        friction=from_keys.friction_from_keys(keys.friction),
+        friction=None if keys.friction is None else from_keys.friction_from_keys(keys.friction),
         stiffness_at=ask.housing if ask.housing is not None else ask.at,
         thermal_strain=0.0 if heat is None else heat.warming * heat.expansion,
     )
@@ -151,8 +153,10 @@ def _conflicting_key_faults(keys: schema.ShaftSceneKeys, tables: Mapping[str, An
     These are keys of friction, motion, drive, nuts, bearings, housings and joints, and names of housings to which other
     keys refer.
     """
-    yield from key_checks.conflicting_friction_key_faults(keys.friction, tables)
-    yield from key_checks.zero_speed_faults(keys.motion)
+    if keys.friction is not None:
+        yield from key_checks.conflicting_friction_key_faults(keys.friction, tables)
+    if keys.motion is not None:
+        yield from key_checks.zero_speed_faults(keys.motion)
     yield from _drive_faults(keys)
     for i, one in enumerate(keys.sets):
         yield from _nut_or_bearing_faults(i, one)
@@ -190,6 +194,8 @@ def _conflicting_key_faults(keys: schema.ShaftSceneKeys, tables: Mapping[str, An
             yield Fault(
                 (f"joints[{i}].between",), "two different housings", "name another housing: a joint connects two housings"
             )
+    if keys.cases:
+        yield from from_keys.load_case_faults(keys)
 
 
 def _drive_faults(keys: schema.ShaftSceneKeys) -> Iterator[Fault]:

@@ -14,7 +14,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import are_in_shifted_half, ball_radii_without_random_errors, draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.numerics import pairs_of_close_points
-from rollbench.meshes.parts import SIDES, Flange, Nut, Scene, UnfitKey, Washers
+from rollbench.meshes.parts import SIDES, Errors, Flange, Nut, Scene, Solid, UnfitKey, Washers
 from rollbench.meshes.section import grooved_volume_ratio
 from rollbench.meshes.solid import largest_groove_depths
 from rollbench.meshes.washers import THRUST_ABOVE, has_washers, washer_of_ring
@@ -38,9 +38,17 @@ def geometry_faults(scene: Scene) -> Iterator[Fault]:
         yield Fault((listed, "errors.balls.oversize"), allowed, "check the unit: a ball needs a positive radius", value)
     largest = float(radii.max())
     yield from _groove_width_faults(scene, largest)
-    of_screw = _diameter_faults, _position_beyond_screw_faults, _rigid_screw_support_faults
-    for check in (_path_error_faults, *of_screw, _solid_table_faults):
-        yield from check(scene)
+    if scene.errors != Errors(scene.errors.seed, scene.errors.balls):
+        yield from _path_error_faults(scene)
+    yield from _diameter_faults(scene)
+    yield from _position_beyond_screw_faults(scene)
+    if scene.ingredients.screw == "rigid":
+        yield from _rigid_screw_support_faults(scene)
+    if min(scene.screw.groove_radius, scene.nut.groove_radius) > scene.balls.radius:  # otherwise no groove has a depth
+        if scene.track.lead == 0.0 or scene.track.washers != Washers():
+            yield from _washer_faults(scene)
+        if scene.solid != Solid():
+            yield from _solid_table_faults(scene)
     if scene.nut.flange is not None:
         yield from _flange_faults(scene.nut, scene.nut.flange)
     if scene.track.pitch_radius > scene.balls.radius:
@@ -75,22 +83,22 @@ def _lead_offset_faults(scene: Scene) -> Iterator[Fault]:
         yield Fault(where, "only with balls on both sides of the nut's centre", advice, length_text(offset))
 
 
+def printed_hertz_constant_faults(scene: Scene) -> Iterator[Fault]:
+    """Yield the fault that the formula of Lin's Table B.1, which the scene selects, has no solution."""
+    from rollbench.lowfi.statics.contacts import misprinted_hertz_of_flanks
+
+    try:
+        with np.errstate(invalid="ignore"):
+            misprinted_hertz_of_flanks(scene)
+    except ValueError as error:
+        advice = f"choose one of these: the printed formula (Lin Table B.1) has no solution for these radii ({error})"
+        yield Fault(("ingredients.hertz",), '"nominal", "error-free" or "actual" for this geometry', advice)
+
+
 def hertz_constant_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of contacts for which no Hertz constant exists, in a scene whose bodies can be built.
+    """Yield the faults of contacts without Hertz constants, as the flank is at least as strongly curved as the ball."""
+    from rollbench.lowfi.statics.contacts import curvature_changes, nominal_curvatures
 
-    No constant exists if the flank is at least as strongly curved as the ball, or if the scene selects the formula printed
-    in Lin's Table B.1 and this formula has no solution.
-    """
-    from rollbench.lowfi.statics.contacts import curvature_changes, misprinted_hertz_of_flanks, nominal_curvatures
-
-    if scene.ingredients.hertz == "as printed":
-        try:
-            with np.errstate(invalid="ignore"):
-                misprinted_hertz_of_flanks(scene)
-        except ValueError as error:
-            advice = f"choose one of these: the printed formula (Lin Table B.1) has no solution for these radii ({error})"
-            yield Fault(("ingredients.hertz",), '"nominal", "error-free" or "actual" for this geometry', advice)
-        return
     drawn = draw_geometry_with_errors(scene, ball_layout(scene))
     curvature = nominal_curvatures(scene) + curvature_changes(scene, drawn, drawn.ball_radii)
     bad = np.argwhere(~(curvature.min(axis=-1) > 0.0) | ~np.isfinite(curvature).all(axis=-1))
@@ -129,22 +137,21 @@ def _groove_width_faults(scene: Scene, largest_ball_radius: float) -> Iterator[F
             allowed = f"a groove radius up to {length_text(widest)} ({WIDEST_GROOVE:g} ball radii)"
             yield Fault(where, allowed, "check the unit: a groove is usually 1.02 to 1.2 ball radii")
         else:
-            yield from _profile_error_faults(scene, name[0].upper(), radius - largest)
+            for side in (s for s in SIDES if s[0] == name[0].upper() and getattr(scene.errors, s).profile):
+                yield from _profile_error_faults(scene, side, radius - largest)
 
 
-def _profile_error_faults(scene: Scene, part: str, clearance: float) -> Iterator[Fault]:
-    """Yield the faults of profile errors that are larger than groove radius minus ball radius, so that balls jam.
+def _profile_error_faults(scene: Scene, side: str, clearance: float) -> Iterator[Fault]:
+    """Yield the fault of a flank's profile error that is larger than groove radius minus ball radius, so that balls jam.
 
-    ``part``: "S" for the screw, "N" for the nut; ``clearance``: groove radius minus radius of the largest ball [m].
+    ``side``: name of the flank; ``clearance``: groove radius minus radius of the largest ball [m].
     """
     gamma = np.linspace(0.0, math.pi / 2.0, 91)
-    for side in (s for s in SIDES if s[0] == part):
-        profile = scene.errors.side(side).profile
-        inward = float(np.polynomial.polynomial.polyval(gamma, profile or (0.0,)).max())
-        if inward >= clearance:
-            allowed = f"an inward offset below {length_text(clearance)} at every angle gamma from 0 to 90 deg"
-            advice = "check the unit: the ball would jam, as the groove's profile error leaves no clearance"
-            yield Fault((f"errors.{side}.profile",), allowed, advice, f"an inward offset of {length_text(inward)}")
+    inward = float(np.polynomial.polynomial.polyval(gamma, scene.errors.side(side).profile).max())
+    if inward >= clearance:
+        allowed = f"an inward offset below {length_text(clearance)} at every angle gamma from 0 to 90 deg"
+        advice = "check the unit: the ball would jam, as the groove's profile error leaves no clearance"
+        yield Fault((f"errors.{side}.profile",), allowed, advice, f"an inward offset of {length_text(inward)}")
 
 
 def _diameter_faults(scene: Scene) -> Iterator[Fault]:
@@ -156,10 +163,10 @@ def _diameter_faults(scene: Scene) -> Iterator[Fault]:
         yield Fault(("track.pitch_radius",), f"above the ball radius, {length_text(ball)}", advice)
         return
     low, high = 2.0 * (pitch - ball), 2.0 * (pitch + ball)
-    between = f"above {length_text(low)}, below {length_text(high)}"
     if not low < scene.screw.outer_diameter < high:
         advice = "check the diameter: the screw's surface must cut the balls, otherwise the screw has no groove"
-        yield Fault(("screw.outer_diameter",), f"{between} (pitch diameter -/+ ball diameter)", advice)
+        allowed = f"above {length_text(low)}, below {length_text(high)} (pitch diameter -/+ ball diameter)"
+        yield Fault(("screw.outer_diameter",), allowed, advice)
     if scene.screw.bore >= low:
         yield Fault(("screw.bore",), f"below the root diameter, {length_text(low)}", "leave material under the groove")
     if scene.nut.outer_diameter <= high:
@@ -219,8 +226,6 @@ def position_beyond_end_faults(stations: Iterable[tuple[str, float]], length: fl
 
 def _rigid_screw_support_faults(scene: Scene) -> Iterator[Fault]:
     """Yield a fault if no rigid-body motion of a rigid screw fits the prescribed displacements of all its supports."""
-    if scene.ingredients.screw != "rigid":
-        return
     clash = find_support_contradiction(scene)
     if clash is None:
         return
@@ -252,18 +257,14 @@ def _washer_faults(scene: Scene) -> Iterator[Fault]:
 
 def _solid_table_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the faults of the table ``[solid]``, the dimensions that only the 3D finite-element model uses."""
-    if min(scene.screw.groove_radius, scene.nut.groove_radius) <= scene.balls.radius:
-        return  # told already: such a groove has no depth
     solid, R = scene.solid, scene.track.pitch_radius
-    of_screw, of_nut = largest_groove_depths(scene)
-    yield from _washer_faults(scene)
     if solid.nut_inner_diameter is not None:
-        most = min(2.0 * (R + of_nut), scene.nut.outer_diameter)
+        most = min(2.0 * (R + largest_groove_depths(scene)[1]), scene.nut.outer_diameter)
         if not 2.0 * R < solid.nut_inner_diameter < most:
             advice = "check the diameter: the nut's lands lie outside the pitch cylinder and leave a groove and a wall"
             yield Fault(("solid.nut_inner_diameter",), f"above {length_text(2.0 * R)}, below {length_text(most)}", advice)
     if solid.hole_diameter is not None:
-        most = 2.0 * (R - of_screw)
+        most = 2.0 * (R - largest_groove_depths(scene)[0])
         if not scene.screw.bore <= solid.hole_diameter < most:
             advice = "check the diameter: the hole is at least as wide as the bore and leaves a wall under the groove"
             allowed = f"from {length_text(scene.screw.bore)}, below {length_text(most)}"

@@ -8,10 +8,10 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from rollbench.compare.case import find_case_file, shipped_toml_files
+from rollbench.compare.case import find_file_of_other_packages, shipped_toml_files
 from rollbench.compare.errors import InputError
 from rollbench.compare.files import did_you_mean, similar_names
-from rollbench.compare.scenes.duty_cycle import AXIS, KINDS
+from rollbench.compare.scenes.duty_cycle import WHOLE
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def kind_of_shipped_scene(name: str) -> str:
 @cache
 def names_of_single_nut_scenes() -> tuple[str, ...]:
     """Return the sorted names of the scenes included in rollbench that have only one nut or bearing row."""
-    return tuple(n for n in scene_names() if top_level_keys(n).get("kind") not in (AXIS, *KINDS))
+    return tuple(n for n in scene_names() if top_level_keys(n).get("kind") in (None, *WHOLE))
 
 
 @cache
@@ -60,7 +60,7 @@ def names_of_scenes_with_role(role: str) -> tuple[str, ...]:
 
 def shipped_scene_text(name: str) -> str:
     """Return the text of the file of the scene ``name`` that is included in rollbench; InputError for an unknown name."""
-    path = find_case_file("scenes", name)
+    path = shipped_toml_files("scenes").get(name) or find_file_of_other_packages("scenes", name)
     if path is None:
         raise _unknown_name_error(name)
     return path.read_text(encoding="utf-8")
@@ -109,7 +109,7 @@ def scene_of_any_kind(name_or_path: str) -> Described:
     InputError
         If there is no such scene; its subclass SceneError if the file is faulty.
     """
-    if name_or_path in scene_names():
+    if name_or_path in shipped_toml_files("scenes"):
         return shipped_scene(name_or_path)
     if looks_like_path(name_or_path):
         from rollbench.compare.scenes import scene_file

@@ -174,6 +174,3 @@ WHOLE = ("ball screw", "bearing")
 
 #: Kind of scenes with several nuts or bearing rows on one shaft.
 AXIS = "axis"
-
-#: Kinds of scenes for which only friction is computed.
-KINDS = ("bearing ball", "bearing pair", "linear pair", "linear chain", "screw pair", "screw run")

@@ -139,9 +139,6 @@ INDEPENDENT_TABLES |= {"friction", "motion", "gate", "operation", "rating"}
 #: Pydantic's names of the error for an unknown key, in a table and in a record.
 UNKNOWN_KEY_ERRORS = ("extra_forbidden", "unexpected_keyword_argument")
 
-#: Frequent unknown keys, in lower case with underscores, and the scene's keys for them.
-WORDS: dict[str, str] = files.read_shipped_toml("words.toml")
-
 
 @dataclass(frozen=True)
 class KeyFaults:
@@ -151,11 +148,6 @@ class KeyFaults:
     messages: tuple[FaultMessage, ...] = ()
     #: Names of the top-level tables and keys in which a faulty value was replaced by an example, or removed.
     replaced_names: frozenset[str] = frozenset()
-
-    @property
-    def bodies_unchanged(self) -> bool:
-        """Whether bodies, supports and loads were read as the file gives them, without any value replaced by an example."""
-        return self.replaced_names <= INDEPENDENT_TABLES
 
     def concern_values_of_file(self, keys: Sequence[str]) -> bool:
         """Return whether a fault of the keys ``keys`` is in the file itself, not in an example that replaced a value."""
@@ -273,7 +265,8 @@ def message_on_unknown_key(schema: dict[str, Any], fault: Any) -> tuple[FaultMes
     """
     where = fault["loc"]
     known = list(schema_part_at_path(schema, where[:-1]).get("properties", {}))
-    word = WORDS.get(str(where[-1]).strip().lower().replace("-", "_").replace(" ", "_"), "")
+    words: dict[str, str] = files.read_shipped_toml("words.toml")  # frequent unknown keys, and the scene's keys for them
+    word = words.get(str(where[-1]).strip().lower().replace("-", "_").replace(" ", "_"), "")
     near = difflib.get_close_matches(str(where[-1]), known, n=1, cutoff=0.5)
     meant = next((name for name in known if word.startswith((f"{name} ", f"{name}:"))), "")
     if word:

@@ -32,8 +32,8 @@ def scene_from_keys(keys: schema.SceneKeys, name: str) -> parts.Scene:
         () if formerly_held is None else (f'The former key solid.nut_held = "{formerly_held}" is read as nut.held.at.',)
     )
     listed = tuple(sorted((int(number), error) for number, error in (errors.balls.listed or {}).items()))
-    oversize = errors.balls.oversize + oversize_by_press_fit(keys.track)
-    material = material_from_keys(balls.material, keys.material)
+    clearance = keys.track.clearance
+    oversize = errors.balls.oversize + (0.0 if clearance is None else oversize_by_press_fit(clearance))
     return record_from_keys(
         parts.Scene,
         keys,
@@ -41,10 +41,23 @@ def scene_from_keys(keys: schema.SceneKeys, name: str) -> parts.Scene:
         title=escape_unprintable(keys.title),
         source=escape_unprintable(keys.source),
         assumed=(*map(escape_unprintable, keys.assumed), *former),
-        track=_track_from_keys(keys),
-        screw=record_from_keys(parts.Screw, keys.screw, **_groove_and_material(keys, keys.screw)),
-        nut=record_from_keys(parts.Nut, nut, flange=_flange_from_keys(nut), **_groove_and_material(keys, nut)),
-        balls=parts.Balls(balls.radius, material, _ball_azimuths(balls, keys.track)),
+        track=record_from_keys(parts.Track, keys.track) if clearance is None else _track_with_clearance(keys, clearance),
+        screw=record_from_keys(
+            parts.Screw,
+            keys.screw,
+            groove_radius=keys.screw.radius_for(balls.radius),
+            material=material_from_keys(keys.screw.material, keys.material),
+        ),
+        nut=record_from_keys(
+            parts.Nut,
+            nut,
+            groove_radius=nut.radius_for(balls.radius),
+            material=material_from_keys(nut.material, keys.material),
+            flange=None if nut.flange is None else _flange_from_keys(nut.flange, nut),
+        ),
+        balls=parts.Balls(
+            balls.radius, material_from_keys(balls.material, keys.material), _ball_azimuths(balls, keys.track)
+        ),
         errors=record_from_keys(
             parts.Errors,
             errors,
@@ -53,32 +66,24 @@ def scene_from_keys(keys: schema.SceneKeys, name: str) -> parts.Scene:
         ),
         supports=tuple(map(support_from_keys, keys.supports)),
         solid=replace(keys.solid, nut_held=nut.held.at or formerly_held),
-        friction=friction_from_keys(keys.friction),
+        friction=None if keys.friction is None else friction_from_keys(keys.friction),
     )
 
 
-def _track_from_keys(keys: schema.SceneKeys) -> parts.Track:
-    """Return the path of the ball centres from the keys of a scene file.
-
-    If the file states a clearance, it is the path of a bearing with one arc per groove, whose contact angle follows from
-    the clearance.
-    """
-    clearance = keys.track.clearance
-    if clearance is None:
-        return record_from_keys(parts.Track, keys.track)
+def _track_with_clearance(keys: schema.SceneKeys, clearance: schema.ClearanceKeys) -> parts.Track:
+    """Return the path of the balls of a bearing with one arc per groove, whose contact angle follows from the clearance."""
     apart = groove_centre_distance(keys)
     radial = None if clearance.radial is None else max(0.0, clearance.radial)
     angle = free_contact_angle(apart, radial, clearance.axial)
     return record_from_keys(parts.Track, keys.track, contact_angle=angle, arcs="+z")
 
 
-def oversize_by_press_fit(track: schema.TrackKeys) -> float:
-    """Return the oversize of the ball radius [m] that presses balls like a negative radial clearance; 0 without one.
+def oversize_by_press_fit(clearance: schema.ClearanceKeys) -> float:
+    """Return the oversize of the ball radius [m] that presses balls like a negative radial clearance; 0 if it is positive.
 
     The clearance is taken across the bearing, through two balls with two contacts each: a quarter of it for each radius.
     """
-    clearance = track.clearance
-    return 0.0 if clearance is None or clearance.radial is None else max(0.0, -clearance.radial) / 4.0
+    return max(0.0, -(clearance.radial or 0.0)) / 4.0
 
 
 def groove_centre_distance(keys: schema.SceneKeys) -> float:
@@ -86,29 +91,19 @@ def groove_centre_distance(keys: schema.SceneKeys) -> float:
     return keys.screw.radius_for(keys.balls.radius) + keys.nut.radius_for(keys.balls.radius) - 2.0 * keys.balls.radius
 
 
-def _groove_and_material(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> dict[str, Any]:
-    """Return groove radius and material of the screw or nut ``part``, by names of record fields."""
-    material = material_from_keys(part.material, keys.material)
-    return {"groove_radius": part.radius_for(keys.balls.radius), "material": material}
-
-
-def _flange_from_keys(nut: schema.NutKeys) -> parts.Flange | None:
-    """Return the flange of a nut from the nut's keys; None if the nut has no flange.
+def _flange_from_keys(flange: schema.FlangeKeys, nut: schema.NutKeys) -> parts.Flange:
+    """Return the flange of a nut from the keys of both.
 
     The flange may be fixed at its whole face towards the rest of the nut, or at the annulus whose diameters are given.
     """
-    if nut.flange is None:
-        return None
     held = nut.held
-    low, high = held.inner_diameter or nut.outer_diameter, held.outer_diameter or nut.flange.diameter
+    low, high = held.inner_diameter or nut.outer_diameter, held.outer_diameter or flange.diameter
     seat, bonded = (0.5 * low, 0.5 * high), held.centring == "bonded"
-    return record_from_keys(parts.Flange, nut.flange, seat=seat, bonded=bonded, bolts=held.bolts)
+    return record_from_keys(parts.Flange, flange, seat=seat, bonded=bonded, bolts=held.bolts)
 
 
-def friction_from_keys(keys: schema.FrictionKeys | None) -> parts.Friction | None:
+def friction_from_keys(keys: schema.FrictionKeys) -> parts.Friction:
     """Return friction coefficients, and whether friction changes the contact loads, from the table [friction] of a file."""
-    if keys is None:
-        return None
     screw, nut = (keys.coefficient if given is None else given for given in (keys.screw, keys.nut))
     assumed, former = tuple(map(escape_unprintable, keys.assumed)), {}
     if keys.coupling is not None:
@@ -187,6 +182,8 @@ def angle_of_touching_balls(pitch_radius: float, lead: float, ball_diameter: flo
 
 def loaded_ball_count(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
     """Return the number of loaded balls in all starts and circuits together."""
+    if balls.azimuths is not None:
+        return len(balls.azimuths) * track.starts
     return balls.count or ball_count_of_circuit(balls, track) * balls.circuits * track.starts
 
 
@@ -278,15 +275,15 @@ def with_load_cases(
     tables: Mapping[str, Any],
     file_name: str,
     faults_of_scene: Callable[[Any], Iterable[Fault]],
-) -> Parts | DutyCycle:
-    """Return the duty cycle of a scene with its file's load cases; the scene itself if the file has no load cases.
+) -> DutyCycle:
+    """Return the duty cycle of a scene with its file's load cases.
 
     Parameters
     ----------
     scene
         Scene under the loads that the file states outside its load cases.
     load_case_keys
-        Validated keys of the load cases; empty if the file has none.
+        Validated keys of the load cases.
     tables
         Tables of the file as read from TOML, for the faulty values in messages.
     file_name
@@ -299,8 +296,6 @@ def with_load_cases(
     SceneError
         For the faults of the scene in any load case.
     """
-    if not load_case_keys:
-        return scene
     cycle = duty_cycle_from_keys(scene, load_case_keys)
     faults = [(fault, k) for k, case in enumerate(cycle.cases) for fault in faults_of_scene(case.scene)]
     raise_scene_error_for_faults(file_name, tables, [fault_with_keys_of_load_case(*x) for x in faults])
@@ -372,7 +367,7 @@ def load_case_faults(keys: schema.SceneKeys | schema.ShaftSceneKeys) -> Iterator
     """Yield the faults of the load cases of a scene file: names, fractions of revolutions, times, displaced supports."""
     names = [case.name for case in keys.cases]
     tracks = [keys.track] if isinstance(keys, schema.SceneKeys) else [s.track for s in keys.sets if s.track is not None]
-    pressed = any(oversize_by_press_fit(track) for track in tracks)
+    pressed = any(oversize_by_press_fit(track.clearance) for track in tracks if track.clearance is not None)
     for k, case in enumerate(keys.cases):
         where = f"cases[{k}]"
         if pressed and case.oversize is not None:
@@ -385,7 +380,7 @@ def load_case_faults(keys: schema.SceneKeys | schema.ShaftSceneKeys) -> Iterator
             yield Fault((f"{where}.name",), "a unique name", "rename one of the two: the name identifies results")
         yield from _load_case_share_faults(case, where)
         yield from _load_case_support_faults(keys, case, where)
-    if not keys.cases or any((case.share is None) == (case.time is None) for case in keys.cases):
+    if any((case.share is None) == (case.time is None) for case in keys.cases):
         return
     timed = [k for k, case in enumerate(keys.cases) if case.time is not None]
     shared = [k for k, case in enumerate(keys.cases) if case.share]

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import pi
 from typing import Any
 
 from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text, value_at_path
-from rollbench.compare.scenes.from_keys import groove_centre_distance, loaded_ball_count
+from rollbench.compare.scenes.from_keys import groove_centre_distance, load_case_faults, loaded_ball_count
 from rollbench.compare.scenes.keys import GrooveKeys
-from rollbench.compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys, SupportKeys
-from rollbench.meshes.parts import Motion, Time
+from rollbench.compare.scenes.schema import BallKeys, FrictionKeys, NutFixingKeys, PreloadKeys, SceneKeys, SupportKeys
+from rollbench.meshes.parts import Circulation, Motion, Operation, Time
 from rollbench.meshes.ranges import MAX_BALLS
 from rollbench.meshes.section import MERGE
 
@@ -24,44 +24,63 @@ def conflicting_key_faults(keys: SceneKeys, tables: Mapping[str, Any]) -> Iterat
 
     ``tables``: tables of the file, which show whether a key is given.
     """
-    for part in ("screw", "nut", "balls"):
+    bearing, balls = keys.track.lead == 0.0, keys.balls
+    for part in ("screw", "nut", "balls") if None in (keys.material.youngs_modulus, keys.material.poissons_ratio) else ():
         yield from _missing_elastic_constant_faults(keys, part)
-    yield from _kind_against_lead_faults(keys)
+    kind = "bearing" if bearing else "ball screw"
+    if keys.kind not in (None, kind):
+        advice = f"correct kind or track.lead: a scene with a lead {'of' if bearing else 'above'} zero is a {kind}"
+        yield Fault(("kind",), f'"{kind}" with this lead', advice)
     yield from groove_definition_faults(keys.screw, "screw")
     yield from groove_definition_faults(keys.nut, "nut")
     yield from _contact_angle_faults(keys)
-    yield from _nut_fixing_faults(keys, tables)
+    held = keys.nut.held != NutFixingKeys() or "held" in tables.get("nut", {})
+    if held or keys.nut.flange is not None or keys.solid.nut_held is not None:
+        yield from _nut_fixing_faults(keys, tables)
     yield from _ball_arrangement_faults(keys)
     yield from support_faults(keys.supports)
-    yield from zero_speed_faults(keys.motion)
-    if keys.lubricant is not None and keys.track.lead != 0.0:
+    if keys.motion is not None:
+        yield from zero_speed_faults(keys.motion)
+    if keys.lubricant is not None and not bearing:
         advice = "leave [lubricant] out: the friction of a nut is given by [friction]"
         yield Fault(("lubricant",), "only for a bearing (track.lead of 0 mm)", advice, "a lubricant for a ball screw")
-    yield from conflicting_friction_key_faults(keys.friction, tables)
-    of_balls = _circulation_and_time_faults, _contradictory_diameter_and_count_faults, _circuit_faults
-    for check in (*of_balls, _preload_faults, _life_factor_faults):
-        yield from check(keys)
+    if keys.friction is not None:
+        yield from conflicting_friction_key_faults(keys.friction, tables)
+    if keys.circulation is not None:
+        yield from _circulation_faults(keys.circulation, bearing=bearing)
+    if keys.time is not None:
+        yield from simulation_time_faults(keys.time)
+    if keys.track.pitch_diameter is not None:
+        yield from _diameter_faults("track.pitch_diameter", keys.track.pitch_diameter, keys.track.pitch_radius)
+    if balls.diameter is not None:
+        yield from _diameter_faults("balls.diameter", balls.diameter, balls.radius)
+    if balls.count is not None and balls.filling is not None:
+        yield Fault(("balls.filling",), "either count or filling", "leave one of the two out", "both count and filling")
+    if balls.circuits > 1 or any(x is not None for x in (balls.circuit_gap, balls.azimuths, balls.arcs)):
+        yield from _circuit_faults(keys)
+    if keys.preload is not None:
+        yield from _preload_faults(keys, keys.preload)
+    if keys.operation != Operation():
+        yield from _life_factor_faults(keys.operation)
+    if keys.cases:
+        yield from load_case_faults(keys)
 
 
-def zero_speed_faults(motion: Motion | None) -> Iterator[Fault]:
+def zero_speed_faults(motion: Motion) -> Iterator[Fault]:
     """Yield a fault if the angular speed of the rotating part is zero."""
-    if motion is not None and motion.speed == 0.0:
+    if motion.speed == 0.0:
         advice = "give the speed at which the part turns: friction at rest may have any value up to its limit"
         yield Fault(("motion.speed",), "any angular speed but zero", advice)
 
 
-def _circulation_and_time_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield the faults of the tables ``[circulation]`` (ball circuits) and ``[time]`` (simulation over time)."""
-    circulation = keys.circulation
-    if circulation is not None:
-        if keys.track.lead == 0.0:
-            advice = "leave [circulation] out: the balls of a bearing go round its one turn"
-            yield Fault(("circulation",), "only with a lead above 0 mm", advice, "a circulation for a bearing")
-        if circulation.gap is not None and circulation.filling is not None:
-            allowed, advice = "either gap or filling", "leave one of the two out: one follows from the other"
-            yield Fault(("circulation.gap",), allowed, advice, "both gap and filling")
-    if keys.time is not None:
-        yield from simulation_time_faults(keys.time)
+def _circulation_faults(circulation: Circulation, *, bearing: bool) -> Iterator[Fault]:
+    """Yield the faults of the table ``[circulation]`` (ball circuits); ``bearing``: whether the scene is a bearing."""
+    if bearing:
+        advice = "leave [circulation] out: the balls of a bearing go round its one turn"
+        yield Fault(("circulation",), "only with a lead above 0 mm", advice, "a circulation for a bearing")
+    if circulation.gap is not None and circulation.filling is not None:
+        allowed, advice = "either gap or filling", "leave one of the two out: one follows from the other"
+        yield Fault(("circulation.gap",), allowed, advice, "both gap and filling")
 
 
 def simulation_time_faults(time: Time) -> Iterator[Fault]:
@@ -72,30 +91,18 @@ def simulation_time_faults(time: Time) -> Iterator[Fault]:
         yield Fault(("time.angle", "time"), "either angle or duration", advice, value)
 
 
-def conflicting_friction_key_faults(friction: FrictionKeys | None, tables: Mapping[str, Any]) -> Iterator[Fault]:
+def conflicting_friction_key_faults(friction: FrictionKeys, tables: Mapping[str, Any]) -> Iterator[Fault]:
     """Yield the faults of [friction]: a groove without coefficient, or the former key ``coupling`` beside new keys.
 
     The new keys, which replace ``coupling``, are ``feedback`` and ``neighbours``. ``tables``: tables of the file.
     """
-    if friction is not None and friction.coefficient is None and None in (friction.screw, friction.nut):
+    if friction.coefficient is None and None in (friction.screw, friction.nut):
         advice = "write e.g. coefficient = 0.1, or a coefficient for each groove, screw and nut"
         yield Fault(("friction.coefficient",), "a number from 0 to 2", advice, "nothing")
-    if (
-        friction is not None
-        and friction.coupling
-        and any(value_at_path(tables, f"friction.{name}") is not None for name in ("feedback", "neighbours"))
-    ):
+    given = (name for name in ("feedback", "neighbours") if value_at_path(tables, f"friction.{name}") is not None)
+    if friction.coupling and any(given):
         advice = "leave coupling out: it is the former key for feedback and neighbours"
         yield Fault(("friction.coupling",), "only without feedback and neighbours", advice)
-
-
-def _kind_against_lead_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield a fault if the key ``kind`` contradicts the lead: a bearing has none, a ball screw has one."""
-    kind = "bearing" if keys.track.lead == 0.0 else "ball screw"
-    if keys.kind not in (None, kind):
-        lead = "of zero" if keys.track.lead == 0.0 else "above zero"
-        advice = f"correct kind or track.lead: a scene with a lead {lead} is a {kind}"
-        yield Fault(("kind",), f'"{kind}" with this lead', advice)
 
 
 def groove_definition_faults(groove: GrooveKeys, table: str) -> Iterator[Fault]:
@@ -208,8 +215,11 @@ def _ball_arrangement_faults(keys: SceneKeys) -> Iterator[Fault]:
         groups = "starts" if balls.circuits == 1 else "circuits"
         advice = f"write e.g. count = {near}, so that all {groups} have equally many balls"
         yield Fault(("balls.count",), f"a multiple of {shares}, the number of {groups}", advice)
-    total = loaded_ball_count(balls, keys.track) if balls.azimuths is None else len(balls.azimuths) * starts
-    yield from _listed_ball_error_faults(keys, total)
+    total = balls.count or loaded_ball_count(balls, keys.track)
+    if total > MAX_BALLS:
+        yield Fault(("balls.azimuths",), f"at most {MAX_BALLS} balls", "list fewer azimuths", f"{total} balls")
+    if keys.errors.balls.listed:
+        yield from _listed_ball_error_faults(keys.errors.balls.listed, total)
 
 
 def _ball_arc_faults(balls: BallKeys) -> Iterator[Fault]:
@@ -222,16 +232,13 @@ def _ball_arc_faults(balls: BallKeys) -> Iterator[Fault]:
         yield Fault(("balls.arcs",), "angle ranges in ascending order that do not overlap", advice)
 
 
-def _listed_ball_error_faults(keys: SceneKeys, ball_count: int) -> Iterator[Fault]:
-    """Yield a fault for too many balls, and for each radius error listed for a ball that does not exist, or listed twice.
+def _listed_ball_error_faults(listed: Iterable[str], ball_count: int) -> Iterator[Fault]:
+    """Yield a fault for each radius error that is listed for a ball that does not exist, or listed twice.
 
-    ``ball_count``: number of balls of the scene.
+    ``listed``: numbers of the balls, as the file states them; ``ball_count``: number of balls of the scene.
     """
-    if ball_count > MAX_BALLS:
-        allowed = f"at most {MAX_BALLS} balls"
-        yield Fault(("balls.azimuths",), allowed, "list fewer azimuths", f"{ball_count} balls")
     seen: set[int] = set()
-    for text in keys.errors.balls.listed or {}:
+    for text in listed:
         where = (f"errors.balls.listed.{text}",)
         whole = text.isascii() and text.isdecimal() and len(text) <= 9
         if not whole or not 1 <= int(text) <= ball_count:
@@ -264,18 +271,11 @@ def support_faults(supports: Sequence[SupportKeys]) -> Iterator[Fault]:
                 taken.append((support.at, name, where))
 
 
-def _contradictory_diameter_and_count_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield a fault for a diameter that contradicts the radius in the same table, and for both ball count and filling."""
-    pairs = (
-        ("track.pitch_diameter", keys.track.pitch_diameter, keys.track.pitch_radius),
-        ("balls.diameter", keys.balls.diameter, keys.balls.radius),
-    )
-    for where, diameter, radius in pairs:
-        if diameter is not None and abs(diameter - 2.0 * radius) > SAME * radius:
-            allowed = f"{length_text(2.0 * radius)}, twice the radius that is given too"
-            yield Fault((where,), allowed, "leave one of the two out")
-    if keys.balls.count is not None and keys.balls.filling is not None:
-        yield Fault(("balls.filling",), "either count or filling", "leave one of the two out", "both count and filling")
+def _diameter_faults(where: str, diameter: float, radius: float) -> Iterator[Fault]:
+    """Yield a fault for a diameter [m], with the key ``where``, that contradicts the radius in the same table [m]."""
+    if abs(diameter - 2.0 * radius) > SAME * radius:
+        allowed = f"{length_text(2.0 * radius)}, twice the radius that is given too"
+        yield Fault((where,), allowed, "leave one of the two out")
 
 
 def _circuit_faults(keys: SceneKeys) -> Iterator[Fault]:
@@ -307,9 +307,8 @@ def _circuit_faults(keys: SceneKeys) -> Iterator[Fault]:
     yield from _circulating_ball_faults(keys, circuits)
 
 
-def _life_factor_faults(keys: SceneKeys) -> Iterator[Fault]:
+def _life_factor_faults(of: Operation) -> Iterator[Fault]:
     """Yield a fault if only one of viscosity ratio and contamination is given; the life factor a_ISO needs both."""
-    of = keys.operation
     if (of.viscosity_ratio is None) != (of.contamination is None):
         both = "viscosity_ratio", "contamination"
         given, lacking = both if of.contamination is None else both[::-1]
@@ -336,11 +335,8 @@ def _circulating_ball_faults(keys: SceneKeys, circuits: int) -> Iterator[Fault]:
         yield Fault(("balls.arcs",), "arcs of equal length together with [circulation] or [time]", advice)
 
 
-def _preload_faults(keys: SceneKeys) -> Iterator[Fault]:
+def _preload_faults(keys: SceneKeys, preload: PreloadKeys) -> Iterator[Fault]:
     """Yield the faults of [preload]: not exactly one key, a lead offset of a bearing, or an oversize stated twice."""
-    preload = keys.preload
-    if preload is None:
-        return
     given = [name for name in ("force", "oversize", "lead_offset") if getattr(preload, name) is not None]
     if len(given) != 1:
         where = (f"preload.{given[0] if given else 'force'}", "preload")

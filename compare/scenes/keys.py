@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import inspect
-from dataclasses import MISSING, dataclass, field, fields
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
 from functools import cache
 from typing import Annotated, Any, ClassVar, Literal, TypeVar, dataclass_transform
 
-from pydantic import ConfigDict, Field, TypeAdapter, ValidationInfo, field_validator, model_validator
+from pydantic import Field, TypeAdapter, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from rollbench.meshes import ranges
@@ -44,49 +45,6 @@ MATERIAL_NAMES = (
 OTHER_NAME = "any other name with youngs_modulus and poissons_ratio"
 
 
-def fill_in_elastic_constants(table: Any) -> Any:
-    """Return the table of a material, before its check, with missing elastic constants filled in from its name.
-
-    An unknown name is dropped if the table gives both constants; the name is then only a remark for readers of the file.
-    """
-    if not isinstance(table, dict) or not isinstance(name := table.get("name"), str):
-        return table
-    if name in MATERIALS:
-        modulus, ratio = MATERIALS[name]
-        return {"youngs_modulus": modulus, "poissons_ratio": ratio} | table
-    both = {"youngs_modulus", "poissons_ratio"} <= table.keys()
-    return {key: value for key, value in table.items() if key != "name"} if both else table
-
-
-def fill_in_radius(table: Any, radius: str, diameter: str) -> Any:
-    """Return a table, before its check, with the key ``radius`` filled in from ``diameter`` if only that is given.
-
-    Halving a floating-point number is exact, so the result is the same as with the radius in the file. A diameter that
-    cannot be read is reported later under its own key.
-    """
-    if not isinstance(table, dict) or diameter not in table or radius in table:
-        return table
-    try:
-        half = 0.5 * parse_quantity(table[diameter], "length")
-    except UnitError:
-        half = 1e-3
-    return table | {radius: f"{min(max(half, 1e-5), 1.0)!r} m"}
-
-
-def config_requiring_radius_or_diameter(radius: str, diameter: str) -> ConfigDict:
-    """Return the pydantic configuration of a table whose JSON Schema requires either a radius or a diameter.
-
-    ``radius``, ``diameter``: names of the two keys.
-    """
-
-    def require_radius_or_diameter(schema: dict[str, Any]) -> None:
-        """Change the JSON Schema of a table so that exactly one of its two keys, radius or diameter, is required."""
-        schema["required"] = [name for name in schema["required"] if name != radius]
-        schema["oneOf"] = [{"required": [radius]}, {"required": [diameter]}]
-
-    return ConfigDict(extra="forbid", json_schema_extra=require_radius_or_diameter)
-
-
 #: Name of a standard material, also as in drawings and catalogues.
 MaterialName = Literal[
     "bearing steel", "silicon nitride", "zirconia", "100Cr6", "SUJ2", "AISI 52100", "42CrMo4", "50CrMo4", "Si3N4", "ZrO2"
@@ -98,14 +56,6 @@ Freedoms = Annotated[tuple[Literal["ux", "uy", "uz", "rx", "ry", "rz"], ...], ra
 
 #: Class of a record.
 Record = TypeVar("Record")
-
-
-def key(description: str, default: Any = MISSING, example: Any = None) -> Any:
-    """Return the definition of a key that only scene files have: its description, its default in SI units, an example.
-
-    If ``default`` is left out, the key is required.
-    """
-    return scene_key(description, example, default=default)
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(scene_key,))
@@ -147,6 +97,39 @@ class SceneFileTable:
         return whole
 
 
+class RadiusOrDiameter(SceneFileTable):
+    """Table of a scene file that states either a radius or a diameter."""
+
+    #: Names of the keys of the radius and of the diameter.
+    NAMES: ClassVar[tuple[str, str]]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill_in_radius(cls, table: Any) -> Any:
+        """Return the table, before its check, with the radius filled in if only the diameter is given.
+
+        Halving a floating-point number is exact, so the result is the same as with the radius in the file. A diameter that
+        cannot be read is reported later under its own key.
+        """
+        radius, diameter = cls.NAMES
+        if not isinstance(table, dict) or diameter not in table or radius in table:
+            return table
+        try:
+            half = 0.5 * parse_quantity(table[diameter], "length")
+        except UnitError:
+            half = 1e-3
+        return table | {radius: f"{min(max(half, 1e-5), 1.0)!r} m"}
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, schema: Any, handler: Any) -> Any:
+        """Return the JSON Schema of the table, in which exactly one of the two keys is required."""
+        whole = super().__get_pydantic_json_schema__(schema, handler)
+        node = handler.resolve_ref_schema(whole)
+        node["required"] = [name for name in node["required"] if name != cls.NAMES[0]]
+        node["oneOf"] = [{"required": [name]} for name in cls.NAMES]
+        return whole
+
+
 def record_from_keys(record: type[Record], table: Any, **values: Any) -> Record:
     """Return a record of the class ``record`` from the keys of a table; ``values``: fields that do not equal a key."""
     names = (each.name for each in fields(record))  # type: ignore[arg-type]
@@ -156,18 +139,27 @@ def record_from_keys(record: type[Record], table: Any, **values: Any) -> Record:
 class MaterialKeys(SceneFileTable):
     """Isotropic elastic material; a constant that a part's table does not give is taken from the table [material]."""
 
-    name: StandardName | None = key(MATERIAL_NAMES, None, "bearing steel")
-    unusual: ranges.Switch = key(
-        "true: accept a Young's modulus outside the range of materials of machine parts", False, True
+    name: StandardName | None = scene_key(MATERIAL_NAMES, "bearing steel", default=None)
+    unusual: ranges.Switch = scene_key(
+        "true: accept a Young's modulus outside the range of materials of machine parts", True, default=False
     )
-    youngs_modulus: ranges.Modulus | None = key("Young's modulus", None)
-    poissons_ratio: ranges.Poisson | None = key("Poisson's ratio", None)
+    youngs_modulus: ranges.Modulus | None = scene_key("Young's modulus", default=None)
+    poissons_ratio: ranges.Poisson | None = scene_key("Poisson's ratio", default=None)
 
     @model_validator(mode="before")
     @classmethod
-    def _fill_in_constants(cls, value: Any) -> Any:
-        """Return the table, before its check, with elastic constants filled in from the material's name."""
-        return fill_in_elastic_constants(value)
+    def _fill_in_constants(cls, table: Any) -> Any:
+        """Return the table, before its check, with missing elastic constants filled in from the material's name.
+
+        An unknown name is dropped if the table gives both constants: it is then only a remark for readers of the file.
+        """
+        if not isinstance(table, dict) or not isinstance(name := table.get("name"), str):
+            return table
+        if name in MATERIALS:
+            modulus, ratio = MATERIALS[name]
+            return {"youngs_modulus": modulus, "poissons_ratio": ratio} | table
+        both = {"youngs_modulus", "poissons_ratio"} <= table.keys()
+        return {key: value for key, value in table.items() if key != "name"} if both else table
 
     @field_validator("youngs_modulus")
     @classmethod
@@ -187,38 +179,42 @@ MATERIAL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.28}
 class PartMaterialKeys(SceneFileTable):
     """Material of one part."""
 
-    material: MaterialKeys | None = key("material of this part, if it is not that of [material]", None, MATERIAL)
+    material: MaterialKeys | None = scene_key(
+        "material of this part, if it is not that of [material]", MATERIAL, default=None
+    )
 
 
 class TitleKeys(SceneFileTable):
     """Keys at the beginning of every scene file: title, source of the data, assumptions."""
 
-    title: ranges.Sentence = key(TITLE, example="Screw under 5 kN")
-    source: ranges.Words = key(SOURCE, "", "Lin 2019, 2.4.1.1")
-    assumed: ranges.Sentences = key(ASSUMED, (), ["The nut is rigid."])
+    title: ranges.Sentence = scene_key(TITLE, "Screw under 5 kN")
+    source: ranges.Words = scene_key(SOURCE, "Lin 2019, 2.4.1.1", default="")
+    assumed: ranges.Sentences = scene_key(ASSUMED, ["The nut is rigid."], default=())
 
 
 class BallPathKeys(SceneFileTable):
     """Nominal path of the ball centres of a screw or a bearing ring."""
 
-    pitch_radius: ranges.Size = key("radius of the helix of the ball centres", example="16.5 mm")
-    lead: ranges.Lead = key('lead: advance of the helix per turn; "0 mm" for a ball bearing')
-    contact_angle: ranges.ContactAngle = key("nominal angle between contact normal and radius")
+    pitch_radius: ranges.Size = scene_key("radius of the helix of the ball centres", "16.5 mm")
+    lead: ranges.Lead = scene_key('lead: advance of the helix per turn; "0 mm" for a ball bearing')
+    contact_angle: ranges.ContactAngle = scene_key("nominal angle between contact normal and radius")
 
 
 class BallHelixKeys(BallPathKeys):
     """Nominal path of the ball centres, a right-handed or left-handed helix."""
 
-    hand: Literal["right", "left"] = key("hand of the helix", "right", "right")
+    hand: Literal["right", "left"] = scene_key("hand of the helix", "right", default="right")
 
 
 class GrooveKeys(SceneFileTable):
     """Cross-section of a groove, by its radius or by its conformity (groove radius over ball diameter)."""
 
-    groove_radius: ranges.Radius | None = key(
-        "radius of the groove's arc (give either groove_radius or conformity)", None, "3.254 mm"
+    groove_radius: ranges.Radius | None = scene_key(
+        "radius of the groove's arc (give either groove_radius or conformity)", "3.254 mm", default=None
     )
-    conformity: ranges.Conformity | None = key("ratio of groove radius to ball diameter (instead of groove_radius)", None)
+    conformity: ranges.Conformity | None = scene_key(
+        "ratio of groove radius to ball diameter (instead of groove_radius)", default=None
+    )
 
     def radius_for(self, ball_radius: float) -> float:
         """Return the groove radius [m]: as stated, or as conformity times the ball diameter, twice ``ball_radius`` [m]."""
@@ -236,22 +232,15 @@ class BallOversizeKeys(SceneFileTable, BallErrors, only=("oversize",)):
 class CoulombFrictionKeys(SceneFileTable):
     """Coulomb friction between balls and grooves."""
 
-    coefficient: ranges.Coefficient = key("coefficient of friction between balls and grooves; may be zero")
+    coefficient: ranges.Coefficient = scene_key("coefficient of friction between balls and grooves; may be zero")
 
 
 class RingSpeedKeys(SceneFileTable, Motion, only=("speed",)):
     """Angular speed of the rotating ring of a bearing."""
 
 
-#: Pydantic's readers of tables, by the class of the table's keys.
-_READERS: dict[type, TypeAdapter[Any]] = {}
-
-
-def reader_of_tables(table_class: type) -> TypeAdapter[Any]:
-    """Return pydantic's reader of a table with the keys of the class ``table_class``."""
-    if table_class not in _READERS:
-        _READERS[table_class] = TypeAdapter(table_class)
-    return _READERS[table_class]
+#: Pydantic's reader of a table, for the class of the table's keys; each is made once.
+reader_of_tables: Callable[[type], TypeAdapter[Any]] = cache(TypeAdapter)
 
 
 @cache

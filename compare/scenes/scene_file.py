@@ -6,15 +6,14 @@ import hashlib
 import re
 import shlex
 import tomllib
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from rollbench.compare.case import shipped_toml_files
 from rollbench.compare.errors import SceneError
 from rollbench.compare.files import ENCODING, NotTextError, decode_text, similar_paths
 from rollbench.compare.quantities import count_with_noun
-from rollbench.compare.scenes.duty_cycle import WHOLE, Described, DutyCycle
+from rollbench.compare.scenes.duty_cycle import WHOLE, Described, DutyCycle, FrictionScene
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.parts import Scene
@@ -89,20 +88,18 @@ def single_nut_scene_or_raise(scene: Described, file_name: str) -> Scene:
         allowed = "one set (a nut or a bearing with its balls), whose nut or outer ring is fixed"
         advice = "describe a single nut or bearing, or use solve, view, compare, check, friction or sweep"
         raise SceneError(file_name, "sets", count_with_noun(len(scene.sets), "set"), allowed, advice)
+    raise friction_only_error(scene, file_name)
+
+
+def friction_only_error(scene: FrictionScene, file_name: str) -> SceneError:
+    """Return the error that only friction is computed for this kind of scene; ``file_name``: its file, for messages."""
     advice = f"use the command that solves this kind: rollbench friction {shlex.quote(file_name)}"
-    raise SceneError(file_name, "kind", f'"{scene.kind}"', ", ".join(f'"{kind}"' for kind in WHOLE), advice)
+    return SceneError(file_name, "kind", f'"{scene.kind}"', ", ".join(f'"{kind}"' for kind in WHOLE), advice)
 
 
-@dataclass(frozen=True)
-class ParsedScene:
-    """Scene that was read from the text of a scene file; the record that the cache stores."""
-
-    #: Scene of any kind.
-    scene: Described
-
-
+@cached_on_disk(cast("type[Described]", object))
 def parse_scene(text: str, file_name: str) -> Described:
-    """Return the scene, of any kind, that the text of a scene file describes.
+    """Return the scene, of any kind, that the text of a scene file describes, from the cache on disk if it was read before.
 
     Parameters
     ----------
@@ -121,18 +118,9 @@ def parse_scene(text: str, file_name: str) -> Described:
     SceneError
         If the text has faults.
     """
-    return _parse_scene_cached(text, file_name).scene
-
-
-@cached_on_disk(ParsedScene)
-def _parse_scene_cached(text: str, file_name: str) -> ParsedScene:
-    """Return the scene that the text of a scene file describes, from the cache on disk if it was read before.
-
-    ``text``: text of the scene file; ``file_name``: name of the file, for error messages.
-    """
     from rollbench.compare.scenes.scene_tables import scene_from_tables  # heavy import, not needed for a cached text
 
-    return ParsedScene(scene_from_tables(parse_toml(text, file_name), file_name))
+    return scene_from_tables(parse_toml(text, file_name), file_name)
 
 
 def kind_of_scene(scene: Described) -> str:

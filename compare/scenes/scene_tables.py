@@ -8,10 +8,11 @@ from typing import Any
 
 from rollbench.compare.errors import SceneError, escape_unprintable
 from rollbench.compare.scenes import fault
-from rollbench.compare.scenes.body_checks import geometry_faults, hertz_constant_faults
-from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE, Described, DutyCycle
-from rollbench.compare.scenes.from_keys import load_case_faults, scene_from_keys, with_load_cases, with_preload_as_oversize
+from rollbench.compare.scenes.body_checks import geometry_faults, hertz_constant_faults, printed_hertz_constant_faults
+from rollbench.compare.scenes.duty_cycle import AXIS, WHOLE, Described, DutyCycle
+from rollbench.compare.scenes.from_keys import scene_from_keys, with_load_cases, with_preload_as_oversize
 from rollbench.compare.scenes.key_checks import conflicting_key_faults
+from rollbench.compare.scenes.kinds import friction_scene_kinds
 from rollbench.compare.scenes.schema import SceneKeys, ShaftSceneKeys
 from rollbench.meshes.one_arc import with_single_arc_grooves
 from rollbench.meshes.parts import Scene
@@ -37,7 +38,7 @@ def scene_from_tables(tables: dict[str, Any], file_name: str) -> Described:
         For faulty keys, and for parts that cannot be built.
     """
     kind = tables.get("kind")
-    if _describes_shaft_with_several_parts(tables):
+    if "sets" in tables or kind == AXIS:
         from rollbench.compare.scenes.axis_file import shaft_scene_from_keys
 
         return shaft_scene_from_keys(
@@ -46,20 +47,21 @@ def scene_from_tables(tables: dict[str, Any], file_name: str) -> Described:
     nut = tables.get("nut")
     bodies = isinstance(nut, dict) and "length" in nut  # a ball screw or bearing with a misspelt key
     if kind is None and FOREIGN & tables.keys() and not bodies:
-        if meant := [key for key, value in tables.items() if value in KINDS]:
+        kinds = friction_scene_kinds()
+        if meant := [key for key, value in tables.items() if isinstance(value, str) and value in kinds]:
             raise SceneError(file_name, meant[0], toml_text(tables[meant[0]]), "kind", "unknown key; did you mean kind?")
         name = sorted(FOREIGN & tables.keys())[0]
-        advice = f'write e.g. kind = "{KINDS[0]}"; the table [{name}] exists only in kinds that rollbench friction solves'
-        raise SceneError(file_name, "kind", "nothing", ", ".join(map(toml_text, KINDS)), advice)
+        first = toml_text(next(iter(kinds)))
+        advice = f"write e.g. kind = {first}; the table [{name}] exists only in kinds that rollbench friction solves"
+        raise SceneError(file_name, "kind", "nothing", ", ".join(map(toml_text, kinds)), advice)
     if kind is None or kind in WHOLE:
         return single_nut_scene_from_tables(tables, file_name)
-    if kind not in KINDS:
-        near = difflib.get_close_matches(str(kind), (*WHOLE, *KINDS), n=1, cutoff=0.5)
+    kinds = friction_scene_kinds()
+    if kind not in kinds:
+        near = difflib.get_close_matches(str(kind), (*WHOLE, *kinds), n=1, cutoff=0.5)
         advice = f"did you mean {toml_text(near[0])}?" if near else "leave the key out for a whole ball screw or bearing"
-        raise SceneError(file_name, "kind", toml_text(kind), ", ".join(map(toml_text, (*WHOLE, *KINDS))), advice)
-    from rollbench.compare.scenes.friction_kinds.table import TABLE
-
-    of = TABLE[kind]
+        raise SceneError(file_name, "kind", toml_text(kind), ", ".join(map(toml_text, (*WHOLE, *kinds))), advice)
+    of = kinds[kind]
     keys = fault.validate_or_raise(tables, of.key_class, file_name)
     fault.raise_scene_error_for_faults(file_name, tables, list(of.faults_of_keys(keys)))
     return of.scene_from_keys(keys, escape_unprintable(Path(file_name).stem))
@@ -70,14 +72,9 @@ def validated_keys(tables: dict[str, Any], file_name: str) -> SceneKeys | ShaftS
 
     ``tables``: tables of the file; ``file_name``: name of the file, for messages.
     """
-    if _describes_shaft_with_several_parts(tables):
+    if "sets" in tables or tables.get("kind") == AXIS:
         return fault.validate_or_raise(tables, ShaftSceneKeys, file_name)
     return fault.validate_or_raise(tables, SceneKeys, file_name)
-
-
-def _describes_shaft_with_several_parts(tables: dict[str, Any]) -> bool:
-    """Return whether the tables of a scene file describe a shaft with several nuts or bearings (``[[sets]]``)."""
-    return "sets" in tables or tables.get("kind") == AXIS
 
 
 def single_nut_scene_from_tables(tables: dict[str, Any], file_name: str) -> Scene | DutyCycle:
@@ -87,21 +84,30 @@ def single_nut_scene_from_tables(tables: dict[str, Any], file_name: str) -> Scen
     can be detected in one reading of the file.
     """
     keys, key_faults = fault.validate_and_collect_faults(tables, SceneKeys)
-    texts = list(key_faults.messages)
-    faults = () if keys is None else (*conflicting_key_faults(keys, tables), *load_case_faults(keys))
-    texts += fault.messages_of_faults(tables, [one for one in faults if key_faults.concern_values_of_file(one.keys)])
-    if keys is None or not key_faults.bodies_unchanged or faults:
-        raise fault.scene_error_of_all_faults(file_name, texts)
-    scene = scene_from_keys(keys, escape_unprintable(Path(file_name).stem))
-    texts += fault.messages_of_faults(tables, _geometry_or_contact_faults(scene))
-    if texts:
-        raise fault.scene_error_of_all_faults(file_name, texts)
+    faults = [] if keys is None else list(conflicting_key_faults(keys, tables))
+    scene = None
+    if keys is not None and not faults and key_faults.replaced_names <= fault.INDEPENDENT_TABLES:
+        scene = scene_from_keys(keys, escape_unprintable(Path(file_name).stem))
+        faults = _geometry_or_contact_faults(scene)
+    if keys is None or scene is None or faults or key_faults.messages:
+        told = [one for one in faults if key_faults.concern_values_of_file(one.keys)]
+        raise fault.scene_error_of_all_faults(file_name, [*key_faults.messages, *fault.messages_of_faults(tables, told)])
     if keys.preload is not None:
         scene = with_preload_as_oversize(scene, keys.preload)
         fault.raise_scene_error_for_faults(file_name, tables, _geometry_or_contact_faults(scene))
-    return with_load_cases(with_single_arc_grooves(scene), keys.cases, tables, file_name, _geometry_or_contact_faults)
+    if scene.track.lead == 0.0:
+        scene = with_single_arc_grooves(scene)
+    return with_load_cases(scene, keys.cases, tables, file_name, _geometry_or_contact_faults) if keys.cases else scene
 
 
 def _geometry_or_contact_faults(scene: Scene) -> list[fault.Fault]:
     """Return the faults of a scene's dimensions; if there are none, a fault for each contact without Hertz constants."""
-    return list(geometry_faults(scene)) or list(hertz_constant_faults(scene))
+    faults = list(geometry_faults(scene))
+    if faults:
+        return faults
+    if scene.ingredients.hertz == "as printed":
+        return list(printed_hertz_constant_faults(scene))
+    flanks = scene.errors.SL, scene.errors.SR, scene.errors.NL, scene.errors.NR
+    uneven = scene.errors.balls.sigma > 0.0 or any(flank.profile or flank.profile_sigma for flank in flanks)
+    large = scene.balls.radius + scene.errors.balls.oversize >= scene.track.pitch_radius or scene.errors.balls.listed
+    return list(hertz_constant_faults(scene)) if uneven or large else []  # a smaller ball is more curved than its grooves

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from rollbench.compare.scenes import keys
-from rollbench.compare.scenes.keys import config_requiring_radius_or_diameter, fill_in_radius, key
 from rollbench.meshes import axis, parts, ranges
 from rollbench.meshes.ranges import ForceOrRatingShareRange, QuantityRange, RateRange, ShareOfLoadRating
+from rollbench.meshes.record_keys import scene_key
 
 #: Ball diameter [m].
 BallDiameter = Annotated[float, QuantityRange("length", "0.02 mm", "2 m", "5.556 mm")]
@@ -36,30 +36,27 @@ CaseTime = Annotated[float, RateRange("time", "0 s", "1000000000 s", "2 s")]
 class ClearanceKeys(keys.SceneFileTable):
     """Internal clearance of a bearing, as in data sheets: total free travel of one ring relative to the other."""
 
-    radial: ranges.RadialClearance | None = key("radial clearance; negative for a press fit", None, "13 um")
-    axial: ranges.Clearance | None = key("axial clearance (instead of radial)", None, "96 um")
+    radial: ranges.RadialClearance | None = scene_key("radial clearance; negative for a press fit", "13 um", default=None)
+    axial: ranges.Clearance | None = scene_key("axial clearance (instead of radial)", "96 um", default=None)
 
 
-class TrackKeys(keys.SceneFileTable, parts.Track):
+class TrackKeys(keys.RadiusOrDiameter, parts.Track):
     """Nominal path of the ball centres: a helix, or a circle for a bearing."""
 
-    __pydantic_config__ = config_requiring_radius_or_diameter("pitch_radius", "pitch_diameter")
-
-    pitch_diameter: ranges.Size | None = key("diameter of the helix of the ball centres (or pitch_radius)", None, "33 mm")
-    contact_angle: ranges.TrackAngle | None = key(  # type: ignore[assignment]
-        "nominal angle between contact normal and radius; for a bearing clearance may be given instead", None, "45 deg"
+    NAMES = "pitch_radius", "pitch_diameter"
+    pitch_diameter: ranges.Size | None = scene_key(
+        "diameter of the helix of the ball centres (or pitch_radius)", "33 mm", default=None
     )
-    clearance: ClearanceKeys | None = key(
+    contact_angle: ranges.TrackAngle | None = scene_key(  # type: ignore[assignment]
+        "nominal angle between contact normal and radius; for a bearing clearance may be given instead",
+        "45 deg",
+        default=None,
+    )
+    clearance: ClearanceKeys | None = scene_key(
         "clearance of a bearing with single-arc grooves (deep groove, or a row with thrust), instead of contact_angle",
-        None,
         {"radial": "13 um"},
+        default=None,
     )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _fill_in_radius(cls, value: Any) -> Any:
-        """Return the table, before its check, with the radius filled in from the diameter."""
-        return fill_in_radius(value, "pitch_radius", "pitch_diameter")
 
 
 class ScrewKeys(keys.GrooveKeys, keys.PartMaterialKeys, parts.Screw):
@@ -73,96 +70,101 @@ class FlangeKeys(keys.SceneFileTable, parts.Flange):
 class NutFixingKeys(keys.SceneFileTable):
     """Surface at which a nut or outer ring is fixed."""
 
-    at: parts.NutHeld | None = key(
+    at: parts.NutHeld | None = scene_key(
         "surface at which the nut or outer ring is fixed; if left out: the flange's face towards the rest of the nut, else "
         "the left face, for a bearing the outer surface (low-order models fix a whole face, except that of a flange)",
-        None,
         "left face",
+        default=None,
     )
-    inner_diameter: ranges.Size | None = key(
-        "inner diameter of the fixed annulus on the flange; the nut's outer diameter if left out", None, "50 mm"
+    inner_diameter: ranges.Size | None = scene_key(
+        "inner diameter of the fixed annulus on the flange; the nut's outer diameter if left out", "50 mm", default=None
     )
-    outer_diameter: ranges.Size | None = key(
-        "outer diameter of the fixed annulus on the flange; that of the flange if left out", None, "66 mm"
+    outer_diameter: ranges.Size | None = scene_key(
+        "outer diameter of the fixed annulus on the flange; that of the flange if left out", "66 mm", default=None
     )
-    centring: Literal["free", "bonded"] = key(
-        "whether the nut is free at the centring fit of its flange, or fixed there too", "free", "bonded"
+    centring: Literal["free", "bonded"] = scene_key(
+        "whether the nut is free at the centring fit of its flange, or fixed there too", "bonded", default="free"
     )
-    bolts: Annotated[int, ranges.IntegerRange(0, 100)] = key(
+    bolts: Annotated[int, ranges.Plain("int", 0, 100)] = scene_key(
         "number of bolts of the flange; the 3D reference fixes a circle as wide as the annulus at each bolt, the first "
         "towards x; 0: the whole annulus, as always in low-order models",
-        parts.Flange.bolts,
         6,
+        default=parts.Flange.bolts,
     )
 
 
 class NutKeys(keys.GrooveKeys, keys.PartMaterialKeys, parts.Nut):
     """Nut, or outer ring of a bearing: dimensions, position, and where it is fixed."""
 
-    flange: FlangeKeys | None = key("flange of a nut with a lead", None, {"diameter": "72 mm", "thickness": "11 mm"})
-    held: NutFixingKeys = key("surface at which the nut or outer ring is fixed", NutFixingKeys(), {"at": "left face"})
+    flange: FlangeKeys | None = scene_key(
+        "flange of a nut with a lead", {"diameter": "72 mm", "thickness": "11 mm"}, default=None
+    )
+    held: NutFixingKeys = scene_key(
+        "surface at which the nut or outer ring is fixed", {"at": "left face"}, default=NutFixingKeys()
+    )
 
 
 #: Angle range that balls fill: first and last azimuth [rad].
 Arc = Annotated[tuple[ranges.Azimuth, ...], ranges.ListLength(2, 2)]
 
 
-class BallKeys(keys.PartMaterialKeys, parts.Balls):
+class BallKeys(keys.RadiusOrDiameter, keys.PartMaterialKeys, parts.Balls):
     """Balls: size and positions, given by count (or filling) and turns, by count and arcs, or by a list of azimuths."""
 
-    __pydantic_config__ = config_requiring_radius_or_diameter("radius", "diameter")
-
-    diameter: BallDiameter | None = key("nominal ball diameter (or radius)", None, "5.556 mm")
-    count: ranges.Count | None = key("number of balls in all starts and circuits, evenly spaced (with turns)", None, 32)
-    filling: ranges.Filling | None = key(
-        "fraction of the length of the turns that the balls would fill if they touched (instead of count)", None, 0.9
+    NAMES = "radius", "diameter"
+    diameter: BallDiameter | None = scene_key("nominal ball diameter (or radius)", "5.556 mm", default=None)
+    count: ranges.Count | None = scene_key(
+        "number of balls in all starts and circuits, evenly spaced (with turns)", 32, default=None
     )
-    turns: ranges.Turns | None = key("turns that the balls of each circuit fill, centred on the nut (a bearing: 1)", None)
-    circuits: ranges.Circuits = key("number of ball circuits of each start, one after the other", 1, 3)
-    circuit_gap: Gap | None = key("number of turns without balls between two circuits", None, 0.5)
-    azimuths: Annotated[tuple[ranges.Azimuth, ...], ranges.ListLength(1, ranges.MAX_BALLS)] | None = key(  # type: ignore[assignment]
+    filling: ranges.Filling | None = scene_key(
+        "fraction of the length of the turns that the balls would fill if they touched (instead of count)",
+        0.9,
+        default=None,
+    )
+    turns: ranges.Turns | None = scene_key(
+        "turns that the balls of each circuit fill, centred on the nut (a bearing: 1)", default=None
+    )
+    circuits: ranges.Circuits = scene_key("number of ball circuits of each start, one after the other", 3, default=1)
+    circuit_gap: Gap | None = scene_key("number of turns without balls between two circuits", 0.5, default=None)
+    azimuths: Annotated[tuple[ranges.Azimuth, ...], ranges.ListLength(1, ranges.MAX_BALLS)] | None = scene_key(  # type: ignore[assignment]
         "azimuths of the balls of one thread start, with 360 deg more for each further turn (instead of count and turns)",
-        None,
         ["-90 deg", "90 deg"],
+        default=None,
     )
-    arcs: Annotated[tuple[Arc, ...], ranges.ListLength(1, 1000)] | None = key(
+    arcs: Annotated[tuple[Arc, ...], ranges.ListLength(1, 1000)] | None = scene_key(
         "azimuth ranges, one for each circuit, over which the balls of each thread start are evenly spread "
         "(instead of turns)",
-        None,
         [["-900 deg", "-180 deg"], ["180 deg", "900 deg"]],
+        default=None,
     )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _fill_in_radius(cls, value: Any) -> Any:
-        """Return the table, before its check, with the radius filled in from the diameter."""
-        return fill_in_radius(value, "radius", "diameter")
 
 
 class BallErrorKeys(keys.SceneFileTable, parts.BallErrors):
     """Manufacturing errors of the ball radii: of all balls, of single balls, and random ones."""
 
-    listed: dict[str, ranges.Deviation] | None = key(  # type: ignore[assignment]
-        "errors of the radii of single balls, by ball number from 1 (all balls of start 1 first)", None, {"17": "1 um"}
+    listed: dict[str, ranges.Deviation] | None = scene_key(  # type: ignore[assignment]
+        "errors of the radii of single balls, by ball number from 1 (all balls of start 1 first)",
+        {"17": "1 um"},
+        default=None,
     )
 
 
 class ManufacturingErrorKeys(keys.SceneFileTable, parts.Errors):
     """Manufacturing errors of balls and grooves; all are zero if left out."""
 
-    balls: BallErrorKeys = key("errors of the ball radii", BallErrorKeys(), {"oversize": "7 um"})
+    balls: BallErrorKeys = scene_key("errors of the ball radii", {"oversize": "7 um"}, default=BallErrorKeys())
 
 
 class DisplacementKeys(keys.SceneFileTable):
     """Prescribed displacements and small rotations of a support or housing."""
 
     ONE_OF: ClassVar = parts.FREEDOMS
-    ux: ranges.Shift | None = key("displacement along x", None)
-    uy: ranges.Shift | None = key("displacement along y", None)
-    uz: ranges.Shift | None = key("displacement along z", None)
-    rx: ranges.Turn | None = key("rotation about x", None)
-    ry: ranges.Turn | None = key("rotation about y", None)
-    rz: ranges.Turn | None = key("rotation about z", None)
+    ux: ranges.Shift | None = scene_key("displacement along x", default=None)
+    uy: ranges.Shift | None = scene_key("displacement along y", default=None)
+    uz: ranges.Shift | None = scene_key("displacement along z", default=None)
+    rx: ranges.Turn | None = scene_key("rotation about x", default=None)
+    ry: ranges.Turn | None = scene_key("rotation about y", default=None)
+    rz: ranges.Turn | None = scene_key("rotation about z", default=None)
 
     @property
     def given(self) -> dict[str, float]:
@@ -173,8 +175,10 @@ class DisplacementKeys(keys.SceneFileTable):
 class SupportKeys(keys.SceneFileTable, parts.Support):
     """Support of the screw at one axial position."""
 
-    fix: keys.Freedoms = key("degrees of freedom fixed at zero", (), ["ux", "uy", "uz"])
-    displace: DisplacementKeys = key("degrees of freedom fixed at other values", DisplacementKeys(), {"ux": "300 um"})
+    fix: keys.Freedoms = scene_key("degrees of freedom fixed at zero", ["ux", "uy", "uz"], default=())
+    displace: DisplacementKeys = scene_key(
+        "degrees of freedom fixed at other values", {"ux": "300 um"}, default=DisplacementKeys()
+    )
 
     @property
     def fixed_freedoms(self) -> tuple[str, ...]:
@@ -192,19 +196,21 @@ CASE = [{"name": "cutting", "share": 1.0}]
 class FrictionKeys(keys.SceneFileTable, parts.Friction):
     """Coulomb friction between balls and grooves, for the command rollbench friction. It does not change static loads."""
 
-    coefficient: ranges.Coefficient | None = key(
-        "coefficient of friction between balls and grooves; may be zero; needed unless screw and nut are given", None, 0.1
+    coefficient: ranges.Coefficient | None = scene_key(
+        "coefficient of friction between balls and grooves; may be zero; needed unless screw and nut are given",
+        0.1,
+        default=None,
     )
-    screw: ranges.Coefficient | None = key(  # type: ignore[assignment]
-        "coefficient of friction at the screw's groove, if it differs from coefficient", None
+    screw: ranges.Coefficient | None = scene_key(  # type: ignore[assignment]
+        "coefficient of friction at the screw's groove, if it differs from coefficient", default=None
     )
-    nut: ranges.Coefficient | None = key(  # type: ignore[assignment]
-        "coefficient of friction at the nut's groove, if it differs from coefficient", None
+    nut: ranges.Coefficient | None = scene_key(  # type: ignore[assignment]
+        "coefficient of friction at the nut's groove, if it differs from coefficient", default=None
     )
-    coupling: Literal["none", "ball", "balls"] | None = key(
+    coupling: Literal["none", "ball", "balls"] | None = scene_key(
         'former key: "none" is feedback = false, "ball" feedback = true, "balls" feedback = false and neighbours = true',
-        None,
         "ball",
+        default=None,
     )
 
 
@@ -212,72 +218,84 @@ class PreloadKeys(keys.SceneFileTable):
     """Preload of one nut: in four-point contact by force or oversize (instead of errors.balls.oversize), or in two-point
     contact by a lead offset of its halves. Give one of the three."""  # noqa: D205, D209 - a description in the schema
 
-    force: Preload | None = key(
+    force: Preload | None = scene_key(
         "axial force on the left flanks, and the same on the right flanks, without external load and with rigid "
         'nut and screw; or per cent of the computed dynamic load rating: "5 % of C"',
-        None,
         "500 N",
+        default=None,
     )
-    oversize: ranges.Deviation | None = key("length added to the radius of every ball", None, "3 um")
-    lead_offset: ranges.Deviation | None = key(
+    oversize: ranges.Deviation | None = scene_key("length added to the radius of every ball", "3 um", default=None)
+    lead_offset: ranges.Deviation | None = scene_key(
         "axial shift of that half of the nut's groove which is at larger z than the nut's centre; a ball exactly "
         "at the centre is in the half that is not shifted (for two separate nuts use [[sets]] with an offset)",
-        None,
+        default=None,
     )
 
 
 class LoadCaseSupportKeys(keys.SceneFileTable):
     """Prescribed displacements of one of the scene's supports in one load case."""
 
-    at: ranges.Station = key("axial position of the support in the scene", example="0 mm")
-    displace: Annotated[DisplacementKeys, ranges.OneKeyNeeded()] = key(
-        "displacements of degrees of freedom that the support fixes", example={"ux": "300 um"}
+    at: ranges.Station = scene_key("axial position of the support in the scene", "0 mm")
+    displace: Annotated[DisplacementKeys, ranges.OneKeyNeeded()] = scene_key(
+        "displacements of degrees of freedom that the support fixes", {"ux": "300 um"}
     )
 
 
 class LoadCaseKeys(keys.SceneFileTable):
     """One of several load cases: its loads, its support displacements, and its fraction of all revolutions."""
 
-    name: ranges.Sentence = key("name of the load case in all results: letters, digits, . _ and -", example="cutting")
-    share: Share | None = key(
-        "fraction of all revolutions that occur in this load case (sum over load cases: 1); 0: static check only", None, 0.5
+    name: ranges.Sentence = scene_key("name of the load case in all results: letters, digits, . _ and -", "cutting")
+    share: Share | None = scene_key(
+        "fraction of all revolutions that occur in this load case (sum over load cases: 1); 0: static check only",
+        0.5,
+        default=None,
     )
-    time: CaseTime | None = key("duration in one duty cycle, from which the share follows (with speed)", None, "2 s")
-    speed: ranges.Turning | None = key("angular speed of the rotating part in this load case (with time)", None, "600 rpm")
-    loads: parts.Loads | None = key("loads on the screw, instead of those outside [[cases]]", None, parts.LOADED)
-    supports: Annotated[tuple[LoadCaseSupportKeys, ...], ranges.ListLength(0, 1000)] = key(
-        "displacements of the scene's supports in this load case", (), [{"at": "0 mm", "displace": {"ux": "300 um"}}]
+    time: CaseTime | None = scene_key(
+        "duration in one duty cycle, from which the share follows (with speed)", "2 s", default=None
     )
-    oversize: ranges.Deviation | None = key(
-        "length added to the radius of every ball, instead of the oversize outside [[cases]]", None, "3 um"
+    speed: ranges.Turning | None = scene_key(
+        "angular speed of the rotating part in this load case (with time)", "600 rpm", default=None
+    )
+    loads: parts.Loads | None = scene_key(
+        "loads on the screw, instead of those outside [[cases]]", parts.LOADED, default=None
+    )
+    supports: Annotated[tuple[LoadCaseSupportKeys, ...], ranges.ListLength(0, 1000)] = scene_key(
+        "displacements of the scene's supports in this load case",
+        [{"at": "0 mm", "displace": {"ux": "300 um"}}],
+        default=(),
+    )
+    oversize: ranges.Deviation | None = scene_key(
+        "length added to the radius of every ball, instead of the oversize outside [[cases]]", "3 um", default=None
     )
 
 
 class SharedMaterialKeys(keys.SceneFileTable):
     """Material of all parts."""
 
-    material: keys.MaterialKeys = key(
-        "material of all parts in whose tables no material is given", keys.MaterialKeys(), keys.MATERIAL
+    material: keys.MaterialKeys = scene_key(
+        "material of all parts in whose tables no material is given", keys.MATERIAL, default=keys.MaterialKeys()
     )
 
 
 class SceneKeys(SharedMaterialKeys, parts.Scene):
     """One ball screw or bearing, in one load case or several. Lengths, forces and angles are texts with a unit."""
 
-    kind: Literal["ball screw", "bearing"] | None = key(
-        "what the scene describes; the lead decides if left out", None, "ball screw"
+    kind: Literal["ball screw", "bearing"] | None = scene_key(
+        "what the scene describes; the lead decides if left out", "ball screw", default=None
     )
     track: TrackKeys
     screw: ScrewKeys
     nut: NutKeys
     balls: BallKeys
-    errors: ManufacturingErrorKeys = key("manufacturing errors of balls and grooves", ManufacturingErrorKeys(), {"seed": 0})
+    errors: ManufacturingErrorKeys = scene_key(
+        "manufacturing errors of balls and grooves", {"seed": 0}, default=ManufacturingErrorKeys()
+    )
     supports: Supports
     friction: FrictionKeys | None
-    cases: Annotated[tuple[LoadCaseKeys, ...], ranges.ListLength(0, 1000)] = key(
-        "load cases of a duty cycle, all with the same bodies", (), CASE
+    cases: Annotated[tuple[LoadCaseKeys, ...], ranges.ListLength(0, 1000)] = scene_key(
+        "load cases of a duty cycle, all with the same bodies", CASE, default=()
     )
-    preload: PreloadKeys | None = key("preload of one nut", None, {"force": "500 N"})
+    preload: PreloadKeys | None = scene_key("preload of one nut", {"force": "500 N"}, default=None)
 
 
 #: Temperature rise of the shaft [K].
@@ -299,19 +317,21 @@ Entry = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 class ShaftKeys(ScrewKeys):
     """Screw shaft; groove and diameter of its thread also apply to nuts and bearings for which no others are given."""
 
-    plain: Annotated[tuple[axis.Segment, ...], ranges.ListLength(0, 1000)] = key(
-        "cylindrical sections of the shaft without groove", (), [{"start": "0 mm", "end": "60 mm", "diameter": "25 mm"}]
+    plain: Annotated[tuple[axis.Segment, ...], ranges.ListLength(0, 1000)] = scene_key(
+        "cylindrical sections of the shaft without groove",
+        [{"start": "0 mm", "end": "60 mm", "diameter": "25 mm"}],
+        default=(),
     )
 
 
 class InnerRingKeys(keys.GrooveKeys):
     """Inner ring of a bearing; for a nut, the groove on the shaft if it differs from the one in [screw]."""
 
-    outer_diameter: ranges.Size | None = key(
-        "diameter of the inner ring's shoulders, if not that of the shaft", None, "40 mm"
+    outer_diameter: ranges.Size | None = scene_key(
+        "diameter of the inner ring's shoulders, if not that of the shaft", "40 mm", default=None
     )
-    material: keys.MaterialKeys | None = key(
-        "material of the inner ring, if it is not that of the shaft", None, keys.MATERIAL
+    material: keys.MaterialKeys | None = scene_key(
+        "material of the inner ring, if it is not that of the shaft", keys.MATERIAL, default=None
     )
 
 
@@ -319,61 +339,67 @@ class TaperedRollerKeys(keys.SceneFileTable, axis.RollerRow):
     """One row of tapered rollers with its rings: dimensions, crowning, and contact with the rib."""
 
     rating: ClassVar[Any]  # type: ignore[misc]
-    ring_depth: ranges.Size = key("depth below both raceways down to which deformation is considered", example="5 mm")
-    crown: ranges.Size | None = key(  # type: ignore[assignment]
-        "radius of curvature of the roller's crowned profile at both raceways; straight rollers if left out", None, "2 m"
+    ring_depth: ranges.Size = scene_key("depth below both raceways down to which deformation is considered", "5 mm")
+    crown: ranges.Size | None = scene_key(  # type: ignore[assignment]
+        "radius of curvature of the roller's crowned profile at both raceways; straight rollers if left out",
+        "2 m",
+        default=None,
     )
 
 
 class NutOrBearingKeys(keys.SceneFileTable, axis.RollingSet):
     """One ball nut, ball bearing (lead of zero) or row of tapered rollers on a shaft, and how it is mounted."""
 
-    kind: Literal["ball nut", "bearing", "tapered roller bearing"] | None = key(  # type: ignore[assignment]
+    kind: Literal["ball nut", "bearing", "tapered roller bearing"] | None = scene_key(  # type: ignore[assignment]
         "type of the nut or bearing; if left out, it follows from the lead and from whether there is a table of rollers",
-        None,
         "ball nut",
+        default=None,
     )
-    thrust: axis.Thrust | None = key(  # type: ignore[assignment]
+    thrust: axis.Thrust | None = scene_key(  # type: ignore[assignment]
         'direction of the axial force on the shaft that the bearing carries: "both" (gothic arch), "+z" or "-z" '
         '(single arc), "deep groove" (single arc, either direction)',
-        None,
         "+z",
+        default=None,
     )
-    preload: Push = key(  # type: ignore[assignment]
+    preload: Push = scene_key(  # type: ignore[assignment]
         "axial preload: without external loads, the nut or outer ring is shifted along z until it carries this "
         "force, and then fixed; or per cent of the computed dynamic load rating of a ball nut or ball bearing: "
         '"5 % of C"',
-        0.0,
         "500 N",
+        default=0.0,
     )
-    arrangement: Arrangement | None = key(
+    arrangement: Arrangement | None = scene_key(
         "arrangement of equal bearings side by side, its middle at the position, with the same gap between "
         "opposite bearings as in a pair: DB back to back, DF face to face, DBD two against one, DBB two against "
         "two, DBT three against one; the key preload is then the preload of the arrangement",
-        None,
         "DBD",
+        default=None,
     )
-    pair_preload: ranges.Force = key(
-        "preload of a pair of these bearings, from which that of the arrangement follows", 0.0, "2150 N"
+    pair_preload: ranges.Force = scene_key(
+        "preload of a pair of these bearings, from which that of the arrangement follows", "2150 N", default=0.0
     )
-    pair_rigidity: ranges.Spring | None = key(
+    pair_rigidity: ranges.Spring | None = scene_key(
         "axial rigidity of this pair at its preload, as in catalogues: the conformity of both grooves follows from it",
-        None,
         "750 N/um",
+        default=None,
     )
-    position: ranges.Station | None = key(  # type: ignore[assignment]
-        "for rollers: axial position of the middle of the cup's contact lines", None, "30 mm"
+    position: ranges.Station | None = scene_key(  # type: ignore[assignment]
+        "for rollers: axial position of the middle of the cup's contact lines", "30 mm", default=None
     )
-    track: TrackKeys | None = key("path of the ball centres", None)
-    screw: InnerRingKeys | None = key(
-        "inner ring of the bearing; for a nut, the groove on the shaft if it differs from the one in [screw]", None
+    track: TrackKeys | None = scene_key("path of the ball centres", default=None)
+    screw: InnerRingKeys | None = scene_key(
+        "inner ring of the bearing; for a nut, the groove on the shaft if it differs from the one in [screw]", default=None
     )
-    nut: NutKeys | None = key("nut, or outer ring", None)
-    balls: BallKeys | None = key("balls", None)
-    errors: ManufacturingErrorKeys = key("manufacturing errors of balls and grooves", ManufacturingErrorKeys(), {"seed": 0})
-    rollers: TaperedRollerKeys | None = key("number and dimensions of tapered rollers, and of their contacts", None)
-    rating: parts.MakerRating = key(
-        "load ratings by the maker; for an arrangement, of one row", parts.MakerRating(), {"dynamic": "23.2 kN"}
+    nut: NutKeys | None = scene_key("nut, or outer ring", default=None)
+    balls: BallKeys | None = scene_key("balls", default=None)
+    errors: ManufacturingErrorKeys = scene_key(
+        "manufacturing errors of balls and grooves", {"seed": 0}, default=ManufacturingErrorKeys()
+    )
+    rollers: TaperedRollerKeys | None = scene_key(
+        "number and dimensions of tapered rollers, and of their contacts", default=None
+    )
+    rating: parts.MakerRating = scene_key(
+        "load ratings by the maker; for an arrangement, of one row", {"dynamic": "23.2 kN"}, default=parts.MakerRating()
     )
 
 
@@ -381,12 +407,12 @@ class SpringKeys(keys.SceneFileTable):
     """Stiffnesses of springs along and about the axes; zero if left out."""
 
     ONE_OF: ClassVar = parts.FREEDOMS
-    ux: ranges.Spring = key("stiffness along x", 0.0, "200 N/um")
-    uy: ranges.Spring = key("stiffness along y", 0.0, "200 N/um")
-    uz: ranges.Spring = key("stiffness along z", 0.0, "200 N/um")
-    rx: ranges.Twist = key("rotational stiffness about x: moment per radian", 0.0, "5 kN m")
-    ry: ranges.Twist = key("rotational stiffness about y: moment per radian", 0.0, "5 kN m")
-    rz: ranges.Twist = key("rotational stiffness about z: moment per radian", 0.0, "5 kN m")
+    ux: ranges.Spring = scene_key("stiffness along x", "200 N/um", default=0.0)
+    uy: ranges.Spring = scene_key("stiffness along y", "200 N/um", default=0.0)
+    uz: ranges.Spring = scene_key("stiffness along z", "200 N/um", default=0.0)
+    rx: ranges.Twist = scene_key("rotational stiffness about x: moment per radian", "5 kN m", default=0.0)
+    ry: ranges.Twist = scene_key("rotational stiffness about y: moment per radian", "5 kN m", default=0.0)
+    rz: ranges.Twist = scene_key("rotational stiffness about z: moment per radian", "5 kN m", default=0.0)
 
 
 #: Stiffness matrix of six rows with six entries.
@@ -396,50 +422,56 @@ Matrix = Annotated[tuple[Annotated[tuple[Entry, ...], ranges.ListLength(6, 6)], 
 class StiffnessKeys(keys.SceneFileTable):
     """Stiffness of a housing or joint in six degrees of freedom, by springs or by a matrix."""
 
-    springs: Annotated[SpringKeys, ranges.OneKeyNeeded()] | None = key("independent springs", None, {"ux": "200 N/um"})
-    matrix: Matrix | None = key(
-        "symmetric 6x6 stiffness matrix for ux, uy, uz, rx, ry, rz in N, m and rad (instead of springs)", None
+    springs: Annotated[SpringKeys, ranges.OneKeyNeeded()] | None = scene_key(
+        "independent springs", {"ux": "200 N/um"}, default=None
+    )
+    matrix: Matrix | None = scene_key(
+        "symmetric 6x6 stiffness matrix for ux, uy, uz, rx, ry, rz in N, m and rad (instead of springs)", default=None
     )
 
 
 class HousingKeys(StiffnessKeys, axis.Housing):
     """Rigid housing of nuts or outer rings; in directions that are not fixed or displaced, it moves against its springs."""
 
-    fix: keys.Freedoms = key("degrees of freedom fixed at zero", (), ["ux", "uy", "rx", "ry", "rz"])
-    displace: DisplacementKeys = key("degrees of freedom fixed at other values", DisplacementKeys(), {"uz": "20 um"})
+    fix: keys.Freedoms = scene_key("degrees of freedom fixed at zero", ["ux", "uy", "rx", "ry", "rz"], default=())
+    displace: DisplacementKeys = scene_key(
+        "degrees of freedom fixed at other values", {"uz": "20 um"}, default=DisplacementKeys()
+    )
 
 
 class JointKeys(StiffnessKeys, axis.Joint):
     """Elastic connection of two housings, such as a spacer or a bolted joint."""
 
-    between: Annotated[tuple[ranges.Name, ...], ranges.ListLength(2, 2)] = key(
-        "names of the two housings", example=["a", "b"]
+    between: Annotated[tuple[ranges.Name, ...], ranges.ListLength(2, 2)] = scene_key(
+        "names of the two housings", ["a", "b"]
     )
 
 
 class StiffnessPositionKeys(keys.SceneFileTable):
     """Position at which the stiffness of the whole assembly is reported; if left out, where the loads act."""
 
-    at: ranges.Station | None = key("axial position on the shaft at which the stiffness is reported", None, "400 mm")
-    housing: ranges.Name | None = key(
-        "name of the housing at which the stiffness is reported (instead of at)", None, "carriage"
+    at: ranges.Station | None = scene_key(
+        "axial position on the shaft at which the stiffness is reported", "400 mm", default=None
+    )
+    housing: ranges.Name | None = scene_key(
+        "name of the housing at which the stiffness is reported (instead of at)", "carriage", default=None
     )
 
 
 class ShaftHeatingKeys(keys.SceneFileTable):
     """Uniform temperature rise of the shaft relative to all other parts."""
 
-    warming: Warming = key("temperature rise of the shaft", example="10 K")
-    expansion: Expansion = key("coefficient of thermal expansion per K", example=11.5e-6)
+    warming: Warming = scene_key("temperature rise of the shaft", "10 K")
+    expansion: Expansion = scene_key("coefficient of thermal expansion per K", 11.5e-6)
 
 
 class ShaftModelOptionKeys(keys.SceneFileTable, parts.Ingredients, only=("hertz", "section")):
     """Options of the low-order models of a shaft with nuts and bearings."""
 
-    partition: Literal["nodal", "source"] = key(
+    partition: Literal["nodal", "source"] = scene_key(
         "nodes of the shaft's beam elements: at every contact, or 15 mm apart in every nut as in Lin's thesis",
-        "nodal",
         "source",
+        default="nodal",
     )
 
 
@@ -447,17 +479,17 @@ class LoadCaseHousingKeys(keys.SceneFileTable, axis.Housing, only=("force", "mom
     """Loads on one of the scene's housings in one load case."""
 
     ONE_OF: ClassVar = parts.Load.ONE_OF
-    name: ranges.Name = key("name of the housing in the scene", example="carriage")
+    name: ranges.Name = scene_key("name of the housing in the scene", "carriage")
 
 
 class ShaftLoadCaseKeys(LoadCaseKeys):
     """One of several load cases of a shaft; its oversize applies to the balls of all nuts and bearings."""
 
     housings: Annotated[tuple[Annotated[LoadCaseHousingKeys, ranges.OneKeyNeeded(1)], ...], ranges.ListLength(0, 100)] = (
-        key(
+        scene_key(
             "loads on housings, instead of those outside [[cases]]",
-            (),
             [{"name": "carriage", "force": ["0 N", "0 N", "5 kN"]}],
+            default=(),
         )
     )
 
@@ -465,18 +497,24 @@ class ShaftLoadCaseKeys(LoadCaseKeys):
 class ShaftSceneKeys(SharedMaterialKeys, axis.Assembly):
     """One shaft with several nuts and bearings, with or without housings, in one load case or several."""
 
-    kind: Literal["axis"] = key("what the scene describes", "axis", "axis")  # type: ignore[misc]
+    kind: Literal["axis"] = scene_key("what the scene describes", "axis", default="axis")  # type: ignore[misc]
     screw: ShaftKeys
     sets: Annotated[tuple[NutOrBearingKeys, ...], ranges.ListLength(1, 100)]
     housings: Annotated[tuple[HousingKeys, ...], ranges.ListLength(0, 100)]
     joints: Annotated[tuple[JointKeys, ...], ranges.ListLength(0, 100)]
     supports: Supports
-    cases: Annotated[tuple[ShaftLoadCaseKeys, ...], ranges.ListLength(0, 1000)] = key(
-        "load cases of a duty cycle, all with the same bodies", (), CASE
+    cases: Annotated[tuple[ShaftLoadCaseKeys, ...], ranges.ListLength(0, 1000)] = scene_key(
+        "load cases of a duty cycle, all with the same bodies", CASE, default=()
     )
-    stiffness: StiffnessPositionKeys = key(
-        "position at which the stiffness of the assembly is reported", StiffnessPositionKeys(), {"housing": "carriage"}
+    stiffness: StiffnessPositionKeys = scene_key(
+        "position at which the stiffness of the assembly is reported",
+        {"housing": "carriage"},
+        default=StiffnessPositionKeys(),
     )
-    heat: ShaftHeatingKeys | None = key("temperature rise of the shaft", None, {"warming": "10 K", "expansion": 11.5e-6})
-    ingredients: ShaftModelOptionKeys = key("options of the low-order models", ShaftModelOptionKeys(), {"section": "full"})
+    heat: ShaftHeatingKeys | None = scene_key(
+        "temperature rise of the shaft", {"warming": "10 K", "expansion": 11.5e-6}, default=None
+    )
+    ingredients: ShaftModelOptionKeys = scene_key(
+        "options of the low-order models", {"section": "full"}, default=ShaftModelOptionKeys()
+    )
     friction: FrictionKeys | None

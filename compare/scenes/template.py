@@ -16,22 +16,12 @@ from typing import Any
 from rollbench.compare import files
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.scenes.catalogue import shipped_scene_text
-from rollbench.compare.scenes.duty_cycle import KINDS, WHOLE
+from rollbench.compare.scenes.duty_cycle import WHOLE
 from rollbench.compare.scenes.from_keys import angle_of_touching_balls
 from rollbench.compare.scenes.keys import scene_schema_of_kind
+from rollbench.compare.scenes.kinds import friction_scene_kinds
 from rollbench.compare.scenes.schema import SceneKeys
 from rollbench.meshes.units import toml_text
-
-#: Scenes included in rollbench from which the templates take their values. The template of a ball screw is a separate file.
-EXAMPLES = {
-    "bearing": "bearing-9",
-    "bearing ball": "lin-rotary-1",
-    "bearing pair": "lin-bearing-pairs",
-    "linear pair": "lin-pair-a",
-    "linear chain": "lin-chain-10",
-    "screw pair": "lin-screw-pair-a",
-    "screw run": "lin-screw-run",
-}
 
 #: Scenes of shafts with several nuts and bearings, included in rollbench, that serve as templates unchanged.
 AXES = {"axis": "axis-fixed-fixed", "double nut": "double-nut"}
@@ -91,14 +81,16 @@ def commented_template(kind: str = "ball screw") -> str:
         lines = shipped_scene_text(AXES[name]).splitlines()
         kept = [x for x in lines if not x.startswith(("source = ", "assumed = "))]
         return "\n".join(f'title = "My {name}"' if x.startswith("title = ") else x for x in kept) + "\n"
-    if name not in (*WHOLE, *BEARINGS, *KINDS):
-        allowed = ", ".join(k.replace(" ", "-") for k in (*WHOLE, *AXES, *BEARINGS, *KINDS))
+    kinds = friction_scene_kinds()
+    if name not in (*WHOLE, *BEARINGS, *kinds):
+        allowed = ", ".join(k.replace(" ", "-") for k in (*WHOLE, *AXES, *BEARINGS, *kinds))
         advice = "choose one of these kinds; write ball-screw for a complete ball screw"
         raise ArgumentError("kind", kind, allowed, advice)
     if name == "ball screw" or name in BEARINGS:
         file = "template.toml" if name == "ball screw" else f"template-{name.replace(' ', '-')}.toml"
         return files.shipped_text(file)
-    values = tomllib.loads(shipped_scene_text(EXAMPLES[name])) | {"title": f"My {name}", "kind": name}
+    example = "bearing-9" if name == "bearing" else kinds[name].example
+    values = tomllib.loads(shipped_scene_text(example)) | {"title": f"My {name}", "kind": name}
     for key in ("source", "assumed"):
         values.pop(key, None)
     schema = _schema_of_kind(name)
@@ -115,9 +107,7 @@ def _schema_of_kind(kind: str) -> dict[str, Any]:
             schema["properties"].pop("circulation")
             schema["$defs"]["NutKeys"]["properties"].pop("flange")
         return schema
-    from rollbench.compare.scenes.friction_kinds.table import TABLE
-
-    return scene_schema_of_kind(TABLE[kind].key_class)  # type: ignore[arg-type]
+    return scene_schema_of_kind(friction_scene_kinds()[kind].key_class)  # type: ignore[arg-type]
 
 
 def _table_lines(node: Node, defs: Node, values: Node, path: str) -> Iterator[str]:

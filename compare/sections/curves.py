@@ -50,7 +50,7 @@ def contact_load_panel(title: str, *series: Series, axis_from_zero: bool = False
 
     ``series``: the curves. ``axis_from_zero``: whether the ordinate begins at zero.
     """
-    return Panel(title, "ball", "contact load / N", series, include_zero=axis_from_zero, integer_x=True)
+    return Panel(title, "ball", "contact_load", series, include_zero=axis_from_zero, integer_x=True)
 
 
 def contact_load_curve(

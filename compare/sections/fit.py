@@ -19,7 +19,7 @@ from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text, text_column
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
 
 #: Names of the quantities whose errors are compared, for sentences, by name of the field of `MeasuredModelErrors` that has
 #: the error.
@@ -91,21 +91,13 @@ class ModelErrors:
         return {
             "quantity": WORDS[self.quantity_key],
             "model": self.model,
-            text_column("scenes", "number of screws and bearings"): int(self.absolute_errors.size),
-            TableColumn("median", "median error over the compared screws and bearings", "%", ".2f"): float(
-                np.median(self.absolute_errors)
-            ),
-            TableColumn("p95", "95th percentile of the error", "%", ".2f"): float(np.percentile(self.absolute_errors, 95)),
-            TableColumn("largest", "largest error on a screw or bearing", "%", ".1f"): float(self.absolute_errors.max()),
-            TableColumn("limit", "error limit of the command rollbench check", "%", ".3g"): LIMITS.get(self.quantity_key),
-            TableColumn("within", "share of screws and bearings with an error within the limit", "%", ".0f"): None
-            if share is None
-            else 100.0 * share,
-            text_column("verdict", "whether accurate enough: at least 95 % within the limit"): None
-            if good is None
-            else "yes"
-            if good
-            else "no",
+            "scenes": int(self.absolute_errors.size),
+            "median_error": float(np.median(self.absolute_errors)),
+            "error_p95": float(np.percentile(self.absolute_errors, 95)),
+            "largest_error": float(self.absolute_errors.max()),
+            "check_limit": LIMITS.get(self.quantity_key),
+            "share_within_limit": None if share is None else 100.0 * share,
+            "accurate_enough": None if good is None else "yes" if good else "no",
         }
 
 
@@ -172,19 +164,16 @@ def validated_range_table(scene: Scene | None = None) -> Table:
     for d in applicability.DESCRIPTORS:
         values = applicability.descriptor_values_of_compared_scenes(d, of_bearings=ring)
         row: Row = {
-            text_column("name", "size, angle or load of the screw or bearing"): d.name,
+            "parameter_of_scene": d.name,
             "unit": d.unit or "–",
-            TableColumn("low", "smallest value of all compared screws and bearings", "", "g4"): min(values),
-            TableColumn("high", "largest value of all compared screws and bearings", "", "g4"): max(values),
+            "smallest_value": min(values),
+            "largest_value": max(values),
         }
         if scene is not None and d.name in placed:
             place = placed[d.name]
             inside = place.low <= place.value <= place.high
             where = "inside" if inside else "OUTSIDE" if place.outside else "at the edge"
-            row |= {
-                TableColumn("own", f"value of {scene.name}"): place.value,
-                text_column("where", "position in the range of the compared scenes"): where,
-            }
+            row |= {("value_of_scene", scene.name): place.value, "place_in_range": where}
         rows.append(row)
     kind = "rings" if ring else "screws"
     note = (

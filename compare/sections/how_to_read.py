@@ -16,7 +16,7 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import VERDICT_NAMES
 from rollbench.lowfi.statics.summary import MODEL_ASSUMPTIONS
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.content import Cell, Row, Section, Table, Text, text_column
+from rollbench.reports.content import Cell, Row, Section, Table, Text
 
 #: Scene and low-order model of the example that explains error and uncertainty.
 SCENE, MODEL = "lin-case1", "lin"
@@ -99,8 +99,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
 def rows_of_assumed_inputs(cache: SceneResultCache) -> list[dict[str, Cell]]:
     """Return table rows of the values that scenes assume for inputs that a publication does not print.
 
-    ``cache``: has the scenes that the report uses. Each row has the text of the assumption ("assumed") and the names of the
-    scenes that make it ("scenes").
+    ``cache``: has the scenes that the report uses. A row names the assumed value and the scenes that assume it.
     """
     by_text: dict[str, list[str]] = {}
     for name, scene in cache.used_scenes.items():
@@ -108,7 +107,7 @@ def rows_of_assumed_inputs(cache: SceneResultCache) -> list[dict[str, Cell]]:
             by_text.setdefault(sentence, []).append(name)
     total = len(cache.used_scenes)
     return [
-        {"assumed": text, "scenes": "all" if len(names) == total else ", ".join(names)}
+        {"assumed_value": text, "assumed_for": "all" if len(names) == total else ", ".join(names)}
         for text, names in sorted(by_text.items(), key=lambda item: -len(item[1]))
     ]
 
@@ -120,15 +119,11 @@ def rows_not_reproduced(entries: Sequence[PrintedEntryComparison]) -> list[Row]:
     """
     return [
         {
-            text_column("entry", "printed number or claim"): p.claim or f"{p.label}: {p.number_as_printed} {p.unit}",
-            text_column("place", "place in the publication"): p.place,
-            text_column(
-                "class", "class: how a number must be reproduced (hard, as-printed, band, open or input)"
-            ): p.entry_class,
-            text_column("verdict", "whether reproduced"): VERDICT_NAMES[verdict],
-            text_column("why", "best explanation of the difference, and its evidence"): f.remark
-            if f.remark and f.agrees_with_printed is not None
-            else p.remark,
+            "entry": p.claim or f"{p.label}: {p.number_as_printed} {p.unit}",
+            "place": p.place,
+            "class": p.entry_class,
+            "verdict": VERDICT_NAMES[verdict],
+            "explanation_of_difference": f.remark if f.remark and f.agrees_with_printed is not None else p.remark,
         }
         for f in entries
         for p, verdict in ((f.printed, f.verdict),)
@@ -144,8 +139,7 @@ def assumptions_section(cache: SceneResultCache, step: Callable[[str], None]) ->
     step("assumptions, and numbers that are not reproduced")
     title = "Numbers and claims that are contradicted, or not determined by the data in the publication"
     contradicted = Table.from_rows("not-reproduced", title, rows_not_reproduced(evidence(cache)))
-    columns = text_column("assumed", "assumed value"), text_column("scenes", "screws and bearings for which it is assumed")
     title = "Values assumed for inputs that a publication does not print"
-    assumed = Table("assumptions", title, columns, rows_of_assumed_inputs(cache))
+    assumed = Table.from_rows("assumptions", title, rows_of_assumed_inputs(cache))
     title = "Values assumed for missing inputs, and printed numbers that are not reproduced"
     return Section("notes", title, (contradicted, assumed, Text(MODEL_ASSUMPTIONS, bullets=True)))

@@ -22,7 +22,7 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.lowfi.compliance.bodies import PARTS
 from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
 from rollbench.lowfi.statics.static import solve_elastic
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text, load_percent_column
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
 
 #: Least number of scenes for which a figure of expected against measured errors of a model is drawn.
 MANY = 40
@@ -88,21 +88,19 @@ def model_error_table(model_solutions: Sequence[RefinementStepResult]) -> Table:
         {
             "scene": r.scene,
             "model": r.model,
-            load_percent_column("max", "largest contact-load error"): r.load_error.max_percent,
-            TableColumn("at", "ball and flank with the largest error", "", "s"): f"{r.load_error.ball} {r.load_error.side}",
-            load_percent_column("rms", "RMS error of the contact loads"): r.load_error.rms_percent,
-            TableColumn("own", "largest contact-load error", "% of contact's load", ".2f"): r.load_error.own_max_percent,
-            TableColumn("bias", "error of the sum of all contact loads", "%", "+.2f"): r.load_sum_difference,
-            load_percent_column("bar", "mesh uncertainty of the 3D reference"): r.reference_uncertainty,
-            TableColumn("seconds", "solution time for a new geometry", "s", "g3"): r.seconds,
+            "largest_load_error": r.load_error.max_percent,
+            "at_largest_error": f"{r.load_error.ball} {r.load_error.side}",
+            "rms_error": r.load_error.rms_percent,
+            "largest_load_error_own": r.load_error.own_max_percent,
+            "sum_error": r.load_sum_difference,
+            "mesh_uncertainty": r.reference_uncertainty,
         }
         for r in model_solutions
     ]
     note = "; ".join(f"{m.name}: {m.refinement_step[1]}" for m in RUNGS if m.refinement_step) + (
         ". Errors against the finest stored mesh level of the 3D reference. Scenes named unseen were chosen before they "
         "were solved in 3D, and no choice of the models was based on them. With two mesh levels, the mesh uncertainty is "
-        "three times their difference. Times are for a new geometry in a running process; the table of run times also "
-        "has new processes."
+        "three times their difference."
     )
     title = "Contact-load errors of each low-order model on each screw and bearing, from the simplest to the refined model"
     return Table.from_rows("ladder", title, rows, note)
@@ -145,10 +143,10 @@ def choice_effects_table(cache: SceneResultCache, step: Callable[[str], None]) -
         rows += [
             {
                 "scene": c.scene,
-                TableColumn("choice", "changed modelling choice", "", "s"): c.changed_choice,
-                load_percent_column("change", "largest change of a contact load"): c.largest_load_change_percent,
-                load_percent_column("max", "largest contact-load error of the changed model"): c.load_errors.max_percent,
-                load_percent_column("rms", "RMS error of the changed model's contact loads"): c.load_errors.rms_percent,
+                "modelling_choice": c.changed_choice,
+                "largest_change": c.largest_load_change_percent,
+                "largest_load_error_changed": c.load_errors.max_percent,
+                "rms_error_changed": c.load_errors.rms_percent,
             }
             for c in modelling_choice_effects(cache, name)
         ]
@@ -168,23 +166,20 @@ def error_with_3d_bodies_table(cache: SceneResultCache) -> Table:
     The difference from the error of the unchanged model is the contribution of the model's simplified screw or nut.
     """
     found = cache.compute_once(errors_by_replaced_body)
-    names: dict[tuple[str, ...], str] = {(): "none", ("screw",): "screw", ("nut",): "nut", PARTS: "both"}
-    headings = {
-        "none": "unchanged model",
-        "screw": "screw compliance from 3D",
-        "nut": "nut compliance from 3D",
-        "both": "both compliances from 3D",
+    variants: dict[tuple[str, ...], str] = {
+        (): "unchanged model",
+        ("screw",): "screw compliance from 3D",
+        ("nut",): "nut compliance from 3D",
+        PARTS: "both compliances from 3D",
     }
     rows: list[Row] = []
     for share in found:
         row: Row = {"scene": share.scene}
-        for parts, name in names.items():
-            error = share.load_errors[parts]
-            row[load_percent_column(f"max {name}", f"largest contact-load error, {headings[name]}")] = error.max_percent
-            row[load_percent_column(f"rms {name}", f"RMS load error, {headings[name]}")] = error.rms_percent
-        row[TableColumn("bias", "error of the sum of loads, unchanged model", "%", ".2f")] = share.load_sum_difference[()]
-        both = TableColumn("bias both", "error of the sum of loads, both compliances from 3D", "%", ".2f")
-        rows.append(row | {both: share.load_sum_difference[PARTS]})
+        for parts, variant in variants.items():
+            row["largest_load_error_of", variant] = share.load_errors[parts].max_percent
+            row["rms_error_of", variant] = share.load_errors[parts].rms_percent
+        row |= {("sum_error_of", variants[parts]): share.load_sum_difference[parts] for parts in ((), PARTS)}
+        rows.append(row)
     note = (
         "The refined model is solved with the compliance of screw, nut or both taken from the finest run of the 3D "
         "reference. The decrease of the error is the share of that body. The remaining error is due to the rest of the "
@@ -216,22 +211,12 @@ def expected_and_measured_error_items(
         lines.append(
             {
                 "model": model,
-                TableColumn("scenes", "number of screws", "", "s"): str(len(of_model)),
-                TableColumn(
-                    "covered", "number of screws whose sizes, angles and loads lie in the range of the others", "", "s"
-                ): str(len(covered)),
-                TableColumn(
-                    "held", "number of screws whose actual error does not exceed the predicted error", "", "s"
-                ): held,
-                TableColumn(
-                    "ratio", "ratio of the predicted to the actual error, median over the screws", "", ".2f"
-                ): float(np.median(ratio)),
-                load_percent_column(
-                    "expected", "predicted largest contact-load error on a screw, median over the screws"
-                ): float(np.median(expected)),
-                load_percent_column(
-                    "largest", "predicted largest contact-load error on a screw, maximum over the screws"
-                ): float(expected.max()),
+                "screws": str(len(of_model)),
+                "screws_covered": str(len(covered)),
+                "screws_within_prediction": held,
+                "prediction_ratio": float(np.median(ratio)),
+                "predicted_error_median": float(np.median(expected)),
+                "predicted_error_largest": float(expected.max()),
             }
         )
         if len(covered) >= MANY:

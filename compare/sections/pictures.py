@@ -103,19 +103,14 @@ def largest_pressure_table(pressures_by_scene: dict[str, dict[str, ContactPressu
     """
     rows: list[content.Row] = [
         {
-            content.text_column("contact", "scene, ball and flank of the contact"): f"{scene}, {name}",
-            content.TableColumn("load", "contact load", "N", ".1f"): x.load,
-            content.TableColumn("ours", "largest nodal pressure by the 3D model", "MPa", ".0f"): MPA
-            * float(x.pressure.max()),
-            content.TableColumn("hertz", "peak pressure by Hertz theory", "MPa", ".0f"): MPA * h.pole_pressure,
-            content.TableColumn("ratio", "ratio of the pressures, 3D over Hertz", "", ".3f"): float(
-                x.pressure.max() / h.pole_pressure
-            ),
-            content.TableColumn("a", "semi-axis a of the contact ellipse, across the groove", "mm", ".3f"): MM * h.semi_x,
-            content.TableColumn("b", "semi-axis b of the contact ellipse, along the groove", "mm", ".3f"): MM * h.semi_y,
-            content.TableColumn("cells", "node spacings in the contact width 2b", "", ".1f"): 2.0
-            * h.semi_y
-            / node_spacing_along_groove(x),
+            "contact": f"{scene}, {name}",
+            "contact_load": x.load,
+            "nodal_pressure": MPA * float(x.pressure.max()),
+            "hertz_pressure": MPA * h.pole_pressure,
+            "pressure_ratio": float(x.pressure.max() / h.pole_pressure),
+            "semi_axis_a": MM * h.semi_x,
+            "semi_axis_b": MM * h.semi_y,
+            "node_spacings": 2.0 * h.semi_y / node_spacing_along_groove(x),
         }
         for scene, found in pressures_by_scene.items()
         for name, x in found.items()
@@ -532,6 +527,8 @@ def make_section(cache: SceneResultCache, step: Step) -> content.Section:
 
     ``step`` is called with each line of progress.
     """
+    from rollbench.reports.field3d import drawn_picture
+
     solved = solve_scene_for_pictures(cache, step)
     found = compute_stress_fields(solved, step)
     ball, b = f"ball {solved.ball_index + 1}", solved.setup.groove_map.ball
@@ -568,28 +565,26 @@ def make_section(cache: SceneResultCache, step: Step) -> content.Section:
         solved, found, "stress-contact", title, von_mises_caption(solved, found), flank=0, height=0.5 * b
     )
     near = replace(near, parts=stressed, label=shown.label, limits=(0.0, 1800.0), scale_bar=0.2e-3)
-    return content.Section(
-        "pictures",
-        "Meshes, contact pressures and stresses of the 3D reference",
-        (
-            content.Text((text,)),
-            screw_and_nut_mesh_picture(solved),
-            whole,
-            groove_mesh_picture(solved, found),
-            ball_mesh_picture(solved, found),
-            pressure_map_of_ball(
-                "pressure-two", f"Contact pressure on both contacts of ball {ball2 + 1} of {SCENE}", two, pressure
-            ),
-            pressure_profiles_figure(two),
-            pressure_map_of_ball(
-                "pressure-four",
-                f"Contact pressure on all four flanks of ball {ball4 + 1} of {FOUR}",
-                four,
-                f"Mesh level {FINE_LEVEL}. Pressure: nodal force over tributary area. Ellipse: Hertz theory, same load.",
-            ),
-            largest_pressure_table({SCENE: two, FOUR: four}),
-            around,
-            near,
-            contact_load_picture(solved),
+    items: tuple[content.Item, ...] = (
+        content.Text((text,)),
+        screw_and_nut_mesh_picture(solved),
+        whole,
+        groove_mesh_picture(solved, found),
+        ball_mesh_picture(solved, found),
+        pressure_map_of_ball(
+            "pressure-two", f"Contact pressure on both contacts of ball {ball2 + 1} of {SCENE}", two, pressure
         ),
+        pressure_profiles_figure(two),
+        pressure_map_of_ball(
+            "pressure-four",
+            f"Contact pressure on all four flanks of ball {ball4 + 1} of {FOUR}",
+            four,
+            f"Mesh level {FINE_LEVEL}. Pressure: nodal force over tributary area. Ellipse: Hertz theory, same load.",
+        ),
+        largest_pressure_table({SCENE: two, FOUR: four}),
+        around,
+        near,
+        contact_load_picture(solved),
     )
+    drawn = [drawn_picture(item) if isinstance(item, content.FieldPicture) else item for item in items]
+    return content.Section("pictures", "Meshes, contact pressures and stresses of the 3D reference", drawn)

@@ -31,7 +31,7 @@ from rollbench.compare.reference.store import Run, load_stored_run
 from rollbench.compare.sections import curves
 from rollbench.compare.sections.reference_time import run_time_items
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text, load_percent_column
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
 
 References = Mapping[str, Reference]
 
@@ -139,22 +139,15 @@ def _load_error_row(
     return {
         "scene": scene_and_model[0],
         "model": scene_and_model[1],
-        load_percent_column("max", "largest contact-load error"): errors[0],
-        TableColumn("at", "ball and flank with the largest error", "", "s"): at,
-        load_percent_column("rms", "RMS error of the contact loads"): errors[1],
-        TableColumn("own_max", "largest contact-load error", "% of contact's load", ".2f"): errors[2],
-        TableColumn("own_rms", "RMS error of the contact loads", "% of contact's load", ".2f"): errors[3],
-        TableColumn(
-            "printed",
-            "contact-load errors against ANSYS that Lin prints: the largest, and the RMS",
-            "% of contact's load",
-            "s",
-        ): printed_errors,
-        load_percent_column("bar", "mesh uncertainty of the 3D reference"): uncertainties[0],
-        load_percent_column("modelling", "uncertainty of the 3D reference by modelling choices"): uncertainties[1],
-        TableColumn(
-            "load_ratio", "ratio of largest to smallest load on the left flank of the screw (SL)", "", ".3f"
-        ): load_ratio_of_flank,
+        "largest_load_error": errors[0],
+        "at_largest_error": at,
+        "rms_error": errors[1],
+        "largest_load_error_own": errors[2],
+        "rms_error_own": errors[3],
+        "lin_errors_against_ansys": printed_errors,
+        "mesh_uncertainty": uncertainties[0],
+        "modelling_uncertainty": uncertainties[1],
+        "load_ratio_on_sl": load_ratio_of_flank,
     }
 
 
@@ -168,8 +161,7 @@ def contact_load_tables(cache: SceneResultCache, references: References) -> list
         scene = cache.built_in_scene(name)
         answers = [solve_contact_loads(cache, name, m.name) for m in models_shown_for_scene(scene)]
         answers += solutions_of_reference_runs(ref, load_stored_run(scene, SOURCE_LEVEL, stores=cache.reference_folders))
-        headings = [MODELS[a.model].label if a.model in MODELS else LABELS.get(a.model, a.model) for a in answers]
-        loads = [TableColumn(f"m{k}", f"load, {head}", "N", ".1f") for k, head in enumerate(headings)]
+        labels = [MODELS[a.model].label if a.model in MODELS else LABELS.get(a.model, a.model) for a in answers]
         rows: list[Row] = []
         for i, s in np.ndindex(ref.load.shape):
             if not any(a.load[i, s] > 0.0 for a in answers):
@@ -181,12 +173,12 @@ def contact_load_tables(cache: SceneResultCache, references: References) -> list
             rows.append(
                 {
                     "ball": i + 1,
-                    TableColumn("side", "flank", "", "s"): SIDES[s],
-                    **{q: float(a.load[i, s]) for q, a in zip(loads, answers, strict=True)},
-                    TableColumn("bar", "mesh uncertainty of the load by the 3D reference", "N", ".2f"): bar,
-                    TableColumn("error", "load error of the refined model", "% of contact's load", "+.2f"): error,
-                    TableColumn("angle", "contact angle, 3D reference", "deg", ".2f"): angle,
-                    TableColumn("low_angle", "contact angle, refined model", "deg", ".2f"): low_angle,
+                    "flank": SIDES[s],
+                    **{("load_of", label): float(a.load[i, s]) for label, a in zip(labels, answers, strict=True)},
+                    "mesh_uncertainty_N": bar,
+                    "load_error_refined": error,
+                    ("contact_angle_of", "3D reference"): angle,
+                    ("contact_angle_of", "refined model"): low_angle,
                 }
             )
         title = f"Loads and contact angles of all contacts of {name} by every model"
@@ -208,12 +200,11 @@ def centreline_displacement_table(cache: SceneResultCache, references: Reference
         low = solve_contact_loads(cache, name, "refined")
         line = ref.best.centreline
         for row in line:
-            cells: Row = {"scene": name, TableColumn("z", "axial position on the screw", "mm", ".1f"): 1e3 * float(row[0])}
+            cells: Row = {"scene": name, "axial_position": 1e3 * float(row[0])}
             for k, axis in enumerate("xyz"):
                 beam = float(np.interp(row[0], low.stations, low.line[:, k]))
-                words = f"{DIRECTIONS[axis]} displacement of the screw"
-                cells[TableColumn(f"r{axis}", f"{words}, 3D reference", "µm", ".2f")] = 1e6 * float(row[1 + k])
-                cells[TableColumn(f"l{axis}", f"{words}, refined model", "µm", ".2f")] = 1e6 * beam
+                cells["screw_displacement_along", DIRECTIONS[axis], "3D reference"] = 1e6 * float(row[1 + k])
+                cells["screw_displacement_along", DIRECTIONS[axis], "refined model"] = 1e6 * beam
             rows.append(cells)
     note = (
         "3D reference: mean displacement of the surface of the axial hole where the screw is meshed, near the nut; "
@@ -262,7 +253,7 @@ def centreline_displacement_figure(cache: SceneResultCache, references: Referenc
         model = curves.lateral_displacement_curves(low.stations, low.line, "u{}, refined model")
         solid = curves.lateral_displacement_curves(line[:, 0], line[:, 1:], "u{}, 3D reference", "markers", emphasis=True)
         series = (x for pair in zip(model, solid, strict=True) for x in pair)
-        panels.append(Panel(name, "axial position / mm", "displacement / µm", tuple(series)))
+        panels.append(Panel(name, "axial position / mm", "displacement", tuple(series)))
     title = "Lateral displacement of the screw's centreline by the refined model and the 3D reference"
     return Figure("reference-centreline", title, tuple(panels))
 
@@ -321,16 +312,12 @@ def contacts_beyond_check_limit_table(references: References, cache: SceneResult
                     {
                         "scene": name,
                         "ball": p.ball,
-                        TableColumn("side", "flank", "", "s"): p.side,
-                        TableColumn("ref", "load by the 3D reference", "N", ".1f"): float(ref.load[p.ball - 1, k]),
-                        TableColumn("error", "load error of Lin's model", "% of contact's load", "+.1f"): p.error,
-                        TableColumn(
-                            "bar", "mesh uncertainty of the 3D reference", "% of contact's load", ".2f"
-                        ): p.uncertainty,
-                        TableColumn(
-                            "rigid", "load error if the nut is rigid in model and reference", "% of contact's load", "+.1f"
-                        ): rigid,
-                        TableColumn("cause", "cause of the error", "", "s"): cause,
+                        "flank": p.side,
+                        ("load_of", "3D reference"): float(ref.load[p.ball - 1, k]),
+                        "load_error_lin": p.error,
+                        "mesh_uncertainty_own": p.uncertainty,
+                        "load_error_rigid_nut": rigid,
+                        "cause": cause,
                     }
                 )
     note = f"Errors by the rule of rollbench check: {RULE}."

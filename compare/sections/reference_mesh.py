@@ -14,27 +14,27 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.models.uncertainty import SHARED, largest_uncertainty_near_face
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS, NOT_VARIED, SOURCE_LEVEL, SOURCE_MESH, VARIANTS
-from rollbench.compare.reference.store import MeasuringConditions, Run, load_stored_run, most_frequent_measuring_conditions
+from rollbench.compare.reference.store import Run, load_stored_run
 from rollbench.compare.results.mesh_study import MeshStudy
 from rollbench.compare.sections import u_val
 from rollbench.compare.sections.reference import modelling_uncertainty_by_scene, references_of_case_studies
 from rollbench.compare.studies import mesh_study
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.reports.content import Cell, Figure, Row, Section, Table, TableColumn, Text, load_percent_column, text_column
+from rollbench.reports.content import ColumnKey, Figure, Row, Section, Table, Text
 
 References = Mapping[str, Reference]
 
 
-def _load_change_cells(load_changes: LoadError, number_format: str = ".2f") -> Row:
+def _load_change_cells(load_changes: LoadError, suffix: str = "") -> Row:
     """Return table cells on contact-load changes: largest and RMS change, and the contact with the largest change.
 
     ``load_changes``: differences of the contact loads between two 3D runs, one of which has one changed modelling choice
-    or mesh setting. ``number_format``: number format of the largest and the RMS change.
+    or mesh setting. ``suffix``: end of the names of the columns, "_f3" for a third decimal.
     """
     return {
-        load_percent_column("max", "largest change of a contact load", number_format): load_changes.max_percent,
-        load_percent_column("rms", "RMS change of the contact loads", number_format): load_changes.rms_percent,
-        text_column("at", "ball and flank with the largest change"): f"{load_changes.ball} {load_changes.side}",
+        f"largest_change{suffix}": load_changes.max_percent,
+        f"rms_change{suffix}": load_changes.rms_percent,
+        "at_largest_change": f"{load_changes.ball} {load_changes.side}",
     }
 
 
@@ -44,12 +44,11 @@ def _refines_one_mesh_setting(variant_name: str) -> bool:
 
 
 def mesh_level_table(cache: SceneResultCache, references: References) -> Table:
-    """Return the table of the mesh levels of every scene: unknowns, run times, load changes to finer levels, mesh quality.
+    """Return the table of the mesh levels of every scene: unknowns, load changes to finer levels, mesh quality.
 
     ``references``: 3D reference of each scene, by name of the scene.
     """
     rows: list[Row] = []
-    common = most_frequent_measuring_conditions(run.measured for ref in references.values() for run in ref.runs)
     for name, ref in references.items():
         source = load_stored_run(cache.built_in_scene(name), SOURCE_LEVEL, stores=cache.reference_folders)
         runs = ([source] if source else []) + list(ref.runs)
@@ -60,49 +59,32 @@ def mesh_level_table(cache: SceneResultCache, references: References) -> Table:
             largest, rms = (None, None) if step is None else (step.max_percent, step.rms_percent)
             change = None if following is None else float(error_percent(run.load.sum(), following.load.sum()))
             best = load_error(run.load, ref.load, ref.contacts)
-            times = (run.setup_seconds, run.solve_seconds) if run.measured == common else (None, None)
             jacobian = min(run.quality[k] for k in ("screw", "nut", "ball"))
             rows.append(
                 {
                     "scene": name,
-                    text_column("level", "mesh level"): "Lin's mesh" if run.level == SOURCE_LEVEL else str(run.level),
-                    TableColumn("across", "elements across the contact ellipse's short axis 2b", "", ".1f"): run.quality[
-                        "elements across 2b"
-                    ],
-                    text_column("sides", "number of groove flanks (of SL, SR, NL, NR) that are finely meshed"): len(
-                        run.sides
-                    ),
-                    text_column(
-                        "unknowns", "number of unknowns of a single mesh of all bodies, equally fine at the contacts"
-                    ): run.unknowns,
-                    TableColumn("setup", "run time of the set-up", "s", ".1f"): times[0],
-                    TableColumn("solve", "run time of a load case", "s", ".1f"): times[1],
-                    TableColumn("memory", "peak memory", "MB", ".0f"): "not measured"
-                    if run.peak_MB is None
-                    else run.peak_MB,
-                    load_percent_column("change", "largest change of a contact load to the next level"): largest,
-                    load_percent_column("rms", "RMS change of the contact loads to the next level"): rms,
-                    TableColumn("sum", "change of the sum of loads to the next level", "%", "+.2f"): change,
-                    load_percent_column("best", "largest change of a contact load to the finest level"): best.max_percent,
-                    load_percent_column("frozen", "largest load change by updating contact normals"): frozen.max_percent,
-                    TableColumn(
-                        "balance", "largest unbalanced force on a ball or the screw / largest contact load", "", "g2"
-                    ): max(run.balance, run.screw_balance),
-                    TableColumn(
-                        "along", "largest net force on a ball along the groove / largest contact load", "", "g2"
-                    ): run.along_groove,
-                    TableColumn("jacobian", "smallest scaled Jacobian of the elements", "", ".2f"): jacobian,
-                    TableColumn(
-                        "deviation", "largest distance of the coarse meshes from the exact groove surface", "um", "g2"
-                    ): 1e6 * run.quality["deviation"],
+                    "level": "Lin's mesh" if run.level == SOURCE_LEVEL else str(run.level),
+                    "elements_across_2b": run.quality["elements across 2b"],
+                    "fine_flanks": len(run.sides),
+                    "unknowns_of_single_mesh": run.unknowns,
+                    "memory": "not measured" if run.peak_MB is None else run.peak_MB,
+                    "largest_change_to_next_level": largest,
+                    "rms_change_to_next_level": rms,
+                    "sum_change_to_next_level": change,
+                    "largest_change_to_finest": best.max_percent,
+                    "change_by_moving_normals": frozen.max_percent,
+                    "unbalanced_over_load": max(run.balance, run.screw_balance),
+                    "net_force_along_groove": run.along_groove,
+                    "scaled_jacobian": jacobian,
+                    "distance_from_surface": 1e6 * run.quality["deviation"],
                 }
             )
     note = (
         "Elements across the short axis 2b of the contact ellipse: expected number in the least loaded scene with the same "
-        "geometry. Forces are relative to the largest contact load. Set-up time and peak memory of scenes with the same "
-        f"geometry are those of one common set-up. {_measured_times_sentence(common)}"
+        "geometry. Forces are relative to the largest contact load. Peak memory of scenes with the same "
+        "geometry is that of one common set-up."
     )
-    title = "Changes of contact loads, unknowns and run times on each mesh level of the 3D reference"
+    title = "Changes of contact loads, unknowns and memory on each mesh level of the 3D reference"
     return Table.from_rows("reference-levels", title, rows, note)
 
 
@@ -114,29 +96,15 @@ def mesh_uncertainty_table(references: References) -> Table:
     rows: list[Row] = [
         {
             "scene": name,
-            text_column("levels", "number of mesh levels"): len(ref.runs),
-            load_percent_column(
-                "contact", "standard deviation of loads due to the cell size at the contacts", ".3f"
-            ): p.contact_cell_deviation,
-            load_percent_column(
-                "bodies", "standard deviation of loads due to the cell size in the bodies", ".3f"
-            ): p.body_cell_deviation,
-            load_percent_column(
-                "sockets", "standard deviation of loads due to the finely meshed boxes at the contacts", ".3f"
-            ): p.refinement_box_deviation,
-            load_percent_column(
-                "common", "standard deviation of the load error that all contacts have in common", ".3f"
-            ): p.common_deviation,
-            load_percent_column("bar", "mesh uncertainty (95 %), RMS over the contacts", ".3f"): p.uncertainty,
-            load_percent_column(
-                "beside", "largest mesh uncertainty next to a free nut face", ".3f"
-            ): largest_uncertainty_near_face(ref)[0],
-            load_percent_column(
-                "largest", "largest mesh uncertainty of a contact load", ".3f"
-            ): largest_uncertainty_percent(ref),
-            text_column("from", "whether the uncertainty is estimated from mesh levels of this screw or bearing"): "no"
-            if p.is_from_other_scenes
-            else "yes",
+            "levels": len(ref.runs),
+            "scatter_by_contact_cells": p.contact_cell_deviation,
+            "scatter_by_body_cells": p.body_cell_deviation,
+            "scatter_by_boxes": p.refinement_box_deviation,
+            "scatter_in_common": p.common_deviation,
+            "mesh_uncertainty_rms": p.uncertainty,
+            "mesh_uncertainty_near_face": largest_uncertainty_near_face(ref)[0],
+            "largest_mesh_uncertainty": largest_uncertainty_percent(ref),
+            "estimated_from_own_levels": "no" if p.is_from_other_scenes else "yes",
         }
         for name, ref in references.items()
         for p in (ref.parts,)
@@ -166,20 +134,13 @@ def mesh_uncertainty_test_table(cache: SceneResultCache) -> Table | None:
     found = u_val.check_uncertainty_of_all_mesh_levels(cache)
     if not found:
         return None
-    levels = sorted({h.tested_level for h in found})
     groups = {name: [h for h in found if h.scene == name] for name in dict.fromkeys(h.scene for h in found)}
     several = [h for h in found if h.tested_level > min(LEVELS)]
-    rows: list[dict[str, Cell]] = [_mesh_uncertainty_test_row(name, group) for name, group in groups.items()]
+    rows = [_mesh_uncertainty_test_row(name, group) for name, group in groups.items()]
     rows.append(_mesh_uncertainty_test_row("all shipped scenes", [h for h in found if not h.is_random_screw]))
     if any(h.is_random_screw for h in found):
         rows.append(_mesh_uncertainty_test_row("all drawn screws", [h for h in found if h.is_random_screw]))
     rows.append(_mesh_uncertainty_test_row("all", found))
-    columns = [text_column("scene", "scene"), text_column("contacts", "number of contacts")]
-    columns.append(text_column("judge", "finer mesh level whose loads test the uncertainty"))
-    for k in levels:
-        words = f"level {k} and other screws" if k == min(LEVELS) else f"levels {min(LEVELS)} to {k}"
-        columns.append(load_percent_column(f"bar {k}", f"mesh uncertainty of level {k}, from {words}", ".3f"))
-        columns.append(TableColumn(f"held {k}", f"loads within the mesh uncertainty of level {k}", "%", ".1f"))
     worst = min((h for h in several if h.contact_count >= u_val.MANY), key=lambda h: h.covered_share)
     note = (
         f"Of {sum(h.contact_count for h in several)} loads with an uncertainty from two mesh levels or more, "
@@ -190,24 +151,25 @@ def mesh_uncertainty_test_table(cache: SceneResultCache) -> Table | None:
         "all meshes cannot be detected by this test."
     )
     title = "Test of the mesh uncertainty (95 %): share of contact loads that change by less on a finer mesh"
-    return Table("reference-coverage", title, tuple(columns), rows, note)
+    return Table.from_rows("reference-coverage", title, rows, note)
 
 
-def _mesh_uncertainty_test_row(first_cell: str, tests: Sequence[u_val.MeshUncertaintyTest]) -> dict[str, Cell]:
+def _mesh_uncertainty_test_row(first_cell: str, tests: Sequence[u_val.MeshUncertaintyTest]) -> Row:
     """Return the row of `mesh_uncertainty_test_table` for one scene, or for several scenes by medians over them.
 
     ``first_cell``: text in the first cell. ``tests``: tests of the mesh uncertainties of these scenes, on all mesh levels.
     """
-    row: dict[str, Cell] = {
+    row: Row = {
         "scene": first_cell,
         "contacts": sum(h.contact_count for h in tests if h.tested_level == min(LEVELS)),
+        "judging_level": ", ".join(map(str, sorted({h.finer_level for h in tests}))),
     }
-    row["judge"] = ", ".join(map(str, sorted({h.finer_level for h in tests})))
     for k in sorted({h.tested_level for h in tests}):
         of_level = [h for h in tests if h.tested_level == k]
+        levels = f"level {k} and other screws" if k == min(LEVELS) else f"levels {min(LEVELS)} to {k}"
         row |= {
-            f"bar {k}": float(np.median([h.uncertainty_percent for h in of_level])),
-            f"held {k}": 100.0 * u_val.share_of_contacts_within_uncertainty(of_level),
+            ("mesh_uncertainty_of_level", str(k), levels): float(np.median([h.uncertainty_percent for h in of_level])),
+            ("share_within_uncertainty_of_level", str(k)): 100.0 * u_val.share_of_contacts_within_uncertainty(of_level),
         }
     return row
 
@@ -229,44 +191,6 @@ def common_error_paragraph(cache: SceneResultCache) -> str:
     )
 
 
-def _measured_times_sentence(conditions: MeasuringConditions | None) -> str:
-    """Return the sentence on the conditions under which the run times of a table were measured.
-
-    ``conditions``: program version and machine of most runs; times of other runs are left out of the table.
-    """
-    return f"Times were measured with {conditions}; times from other measurements are left out."
-
-
-#: Names of the stages of a 3D computation in column headings, by their names in stored runs.
-STAGES = {
-    "meshes": "coarse meshes of all parts",
-    "patches": "compliance of the fine patches at the contacts",
-    "shaft section": "beam stiffness of the shaft outside the 3D mesh",
-    "screw": "compliance of the screw at the contacts",
-    "nut": "compliance of the nut at the contacts",
-    "ball": "compliance of a ball at its contacts",
-}
-
-
-def stage_time_table(references: References) -> Table:
-    """Return the table of the run time of each stage of the 3D reference on its finest mesh level, scene by scene.
-
-    ``references``: 3D reference of each scene, by name of the scene.
-    """
-    rows: list[dict[str, Cell]] = []
-    common = most_frequent_measuring_conditions(ref.best.measured for ref in references.values())
-    for name, ref in references.items():
-        if ref.best.measured != common:
-            continue
-        rows.append({"scene": name, "contact": ref.best.solve_seconds, **ref.best.stages})
-    names = list(dict.fromkeys(k for row in rows for k in row if k not in ("scene", "contact")))
-    columns = [text_column("scene", "scene"), *(TableColumn(k, f"run time: {STAGES.get(k, k)}", "s", ".1f") for k in names)]
-    columns.append(TableColumn("contact", "run time: one load case", "s", ".1f"))
-    note = f"Scenes with the same geometry share all stages except the load case. {_measured_times_sentence(common)}"
-    title = "Run time of each stage of the 3D computation on its finest mesh level"
-    return Table("reference-stages", title, columns, rows, note)
-
-
 def mesh_study_tables_and_figures(cache: SceneResultCache, references: References) -> list[Table | Figure]:
     """Return, for every scene solved on two mesh levels or more, its loads and displacements on each mesh level.
 
@@ -280,25 +204,18 @@ def mesh_study_tables_and_figures(cache: SceneResultCache, references: Reference
             continue
         table = mesh_study.mesh_study_table_of_scene(cache.built_in_scene(name), cache.reference_folders)
         rows = [x.as_json() for x in table if "load of ball" not in x.name]
-        columns = [
-            text_column("quantity", "quantity"),
-            text_column("unit", "unit"),
-            *(TableColumn(f"level {r.level}", f"value on mesh level {r.level}", "", "g5") for r in ref.runs),
-            TableColumn("order", "observed order of convergence", "", ".2f"),
-            TableColumn("extrapolated", "value extrapolated to cell size zero", "", "g5"),
-            TableColumn("uncertainty", "mesh uncertainty of the value", "", "g2"),
-            TableColumn("uncertainty_percent", "relative mesh uncertainty of the value", "%", ".2f"),
-            text_column("kind", "kind of convergence over the mesh levels"),
-        ]
+        keys: dict[ColumnKey, str] = {"quantity": "quantity", "unit": "unit"}
+        keys |= {("value_on_mesh_level", str(r.level)): f"level {r.level}" for r in ref.runs}
+        keys |= {"order": "order", "extrapolated": "extrapolated", "value_uncertainty": "uncertainty"}
+        keys |= {"value_uncertainty_percent": "uncertainty_percent", "convergence_kind": "kind"}
         if any(row.get("modelling_spread") is not None for row in rows):
-            columns.append(TableColumn("modelling_spread", "uncertainty of the value by modelling choices", "", "g2"))
-            words = "largest change of the value when one modelling choice is varied on this screw"
-            columns.append(TableColumn("scene_choices", words, "", "g2"))
+            keys |= {"value_uncertainty_by_choices": "modelling_spread", "value_change_by_choices": "scene_choices"}
+        columns = {column: [row.get(key) for row in rows] for column, key in keys.items()}
         title, note = (
             f"Contact loads and displacements of {name} on each mesh level",
             mesh_study.mesh_accuracy_sentence(ref),
         )
-        out.append(Table(f"mesh-study-{name}", title, columns, rows, note))
+        out.append(Table(f"mesh-study-{name}", title, columns, note))
         sizes = tuple(mesh_study.mesh_levels_of_reference(ref))
         figure = MeshStudy(scene=name, levels=sizes, quantities=tuple(table)).figure()
         if figure is not None:
@@ -330,19 +247,13 @@ def modelling_choice_table(cache: SceneResultCache) -> Table | None:
             rows.append(
                 {
                     "scene": name,
-                    text_column("choice", "modelling choice or unprinted input that is changed"): e.choice,
-                    text_column("variant", "modelling choice or input after the change"): e.label,
-                    text_column("kind", "kind of the change"): KINDS[e.kind],
+                    "varied_choice": e.choice,
+                    "varied_choice_after": e.label,
+                    "change_kind": KINDS[e.kind],
                     **_load_change_cells(e.error),
-                    TableColumn(
-                        "ratio", "change of the ratio of largest to smallest load on the left screw flank (SL)", "%", "+.2f"
-                    ): ratio,
-                    load_percent_column(
-                        "model", "largest load error of Lin's model against the 3D reference with this change"
-                    ): largest,
-                    load_percent_column(
-                        "model_rms", "RMS load error of Lin's model against the 3D reference with this change"
-                    ): rms,
+                    "load_ratio_change": ratio,
+                    "lin_error_with_change": largest,
+                    "lin_rms_with_change": rms,
                 }
             )
     note = (
@@ -372,14 +283,12 @@ def refined_mesh_setting_table(cache: SceneResultCache) -> Table | None:
         rows.append(
             {
                 "scene": REFINED,
-                text_column("choice", "numerical setting that is refined"): e.choice,
-                text_column("variant", "value after the refinement"): e.label,
-                **_load_change_cells(e.error, ".3f"),
-                load_percent_column("grid", "mesh uncertainty of the contact load with the largest change", ".3f"): float(
-                    grid[at]
-                ),
-                load_percent_column("largest", "largest mesh uncertainty of a contact load", ".3f"): float(grid.max()),
-                text_column("beyond", "contacts whose load changes by more than its mesh uncertainty"): beyond,
+                "numerical_setting": e.choice,
+                "setting_after": e.label,
+                **_load_change_cells(e.error, "_f3"),
+                "mesh_uncertainty_at_change": float(grid[at]),
+                "largest_mesh_uncertainty": float(grid.max()),
+                "contacts_beyond_uncertainty": beyond,
             }
         )
     note = (
@@ -406,14 +315,12 @@ def modelling_uncertainty_table(cache: SceneResultCache) -> Table | None:
         "all choices combined, ratio of largest to smallest load, SL": {name: m.ratio for name, m in found.items()},
     }
     values = {c: {name: m.choices[c] for name, m in found.items() if c in m.choices} for c in choices} | together
-    rows: list[dict[str, Cell]] = [{"choice": choice, **of_scenes} for choice, of_scenes in values.items()]
-    rows += [{"choice": f"{c}: not varied", "why": "no run with this variation is stored"} for c in missing]
-    rows += [{"choice": f"{n.choice}: not varied", "why": n.reason} for n in NOT_VARIED]
-    columns = [
-        text_column("choice", "modelling choice"),
-        *(load_percent_column(name, f"{name}, largest change of a contact load") for name in found),
-        text_column("why", "reason why this modelling choice was not varied"),
+    rows: list[Row] = [
+        {"modelling_choice": choice, **{("change_of_scene", name): of_scenes.get(name) for name in found}}
+        for choice, of_scenes in values.items()
     ]
+    reasons = dict.fromkeys(missing, "no run with this variation is stored") | {n.choice: n.reason for n in NOT_VARIED}
+    rows += [{"modelling_choice": f"{choice}: not varied", "why_not_varied": why} for choice, why in reasons.items()]
     note = (
         "The effects of the choices are independent and of unknown sign, so on each contact they are combined as the root "
         "of the sum of squares; of several variants of one choice, the largest effect on the contact is taken. The RMS "
@@ -421,19 +328,19 @@ def modelling_uncertainty_table(cache: SceneResultCache) -> Table | None:
         "This is an estimate from one typical variation of each choice, not a bound."
     )
     title = "Uncertainty of the 3D reference's contact loads by each modelling choice"
-    return Table("reference-modelling", title, columns, rows, note)
+    return Table.from_rows("reference-modelling", title, rows, note)
 
 
 #: Replacements of the 3D screw, and of all 3D bodies, in runs that leave out an effect.
 BEAM = "the screw is a Timoshenko beam with homogenised section, with the local response of each contact"
 RIGID = "the nut is rigid, the screw a beam, the ball rigid, each with the local response of each contact"
 #: Effects that runs of the 3D reference leave out: what replaces each effect, and the set-up stages that are then saved.
-INGREDIENTS: dict[str, tuple[str, tuple[str, ...]]] = {
-    "elastic nut": ("the nut is rigid except for the local response of each contact", ("nut",)),
-    "3D shaft": (BEAM, ("screw",)),
-    "finite ball": ("the ball is rigid except for its contact patches", ("ball",)),
-    "patch coupling": (RIGID, ("screw", "nut")),
-    "moving normals": ("contact normals and gaps stay those of the undeformed state", ()),
+INGREDIENTS = {
+    "elastic nut": "the nut is rigid except for the local response of each contact",
+    "3D shaft": BEAM,
+    "finite ball": "the ball is rigid except for its contact patches",
+    "patch coupling": RIGID,
+    "moving normals": "contact normals and gaps stay those of the undeformed state",
 }
 
 
@@ -449,35 +356,27 @@ def _scenes_with_effects_left_out(cache: SceneResultCache) -> Iterator[tuple[str
 
 
 def left_out_effects_table(cache: SceneResultCache) -> Table | None:
-    """Return the table of changes of contact loads and run time if one effect is left out of the 3D model.
+    """Return the table of changes of contact loads if one effect is left out of the 3D model.
 
     Returns None if no such run is stored.
     """
     rows: list[Row] = []
-    common = most_frequent_measuring_conditions(run.measured for _, run, _ in _scenes_with_effects_left_out(cache))
     for name, run, low in _scenes_with_effects_left_out(cache):
         full = load_error(low.load, run.load).max_percent
         for ingredient, loads in run.without.items():
             e, model = load_error(loads, run.load), load_error(low.load, loads)
-            meaning, stages = INGREDIENTS[ingredient]
-            saved = sum(run.stages.get(k, 0.0) for k in stages)
-            saved += run.solve_seconds - run.without_seconds[ingredient]
             rows.append(
                 {
                     "scene": name,
-                    text_column("without", "effect left out of the 3D reference"): ingredient,
-                    text_column("meaning", "simplification that replaces the effect"): meaning,
+                    "effect_left_out": ingredient,
+                    "simplification": INGREDIENTS[ingredient],
                     **_load_change_cells(e),
-                    TableColumn("seconds", "run time saved", "s", "+.1f"): saved if run.measured == common else None,
-                    load_percent_column("before", "largest load error of Lin's model against the full 3D reference"): full,
-                    load_percent_column(
-                        "model", "largest load error of Lin's model against the reduced 3D reference"
-                    ): model.max_percent,
+                    "lin_error_full_reference": full,
+                    "lin_error_reduced_reference": model.max_percent,
                 }
             )
-    note = "On the coarsest mesh level. Effects that are small compared with the required accuracy can be left out. "
-    note += _measured_times_sentence(common)
-    title = "Change of contact loads and run time if one effect is left out of the 3D reference"
+    note = "On the coarsest mesh level. Effects that are small compared with the required accuracy can be left out."
+    title = "Change of contact loads if one effect is left out of the 3D reference"
     return Table.from_rows("reference-ablation", title, rows, note) if rows else None
 
 
@@ -535,7 +434,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         items += [mesh_uncertainty_table(everything), Text((common_error_paragraph(cache),))]
         items += [mesh_uncertainty_test_table(cache), mesh_level_table(cache, everything)]
     if found:
-        items += [stage_time_table(found), *mesh_study_tables_and_figures(cache, found)]
+        items += mesh_study_tables_and_figures(cache, found)
     items += [refined_mesh_setting_table(cache), modelling_uncertainty_table(cache), modelling_choice_table(cache)]
     cause, ablation = rigid_nut_paragraph(cache), left_out_effects_table(cache)
     items += [Text((cause,)) if cause and ablation else None, ablation]

@@ -12,8 +12,9 @@ import numpy as np
 
 from rollbench.compare.measure import error_percent, load_error, load_scale_of_check_errors
 from rollbench.compare.models.comparison import REFERENCED, models_shown_for_scene, path_of_condensed_bodies
+from rollbench.compare.models.model import Model, ModelOptions
 from rollbench.compare.models.modelling import UNSEEN, RefinementStepResult, solve_refinement_sequence_on_all_scenes
-from rollbench.compare.models.registry import MODELS, Model, ModelOptions, run_model
+from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_entry
 from rollbench.compare.reference import store
@@ -37,7 +38,7 @@ from rollbench.compare.studies.run_times import (
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
-from rollbench.reports.content import Figure, Panel, Row, Series, Table, TableColumn, load_percent_column, text_column
+from rollbench.reports.content import Figure, Panel, Row, Series, Table
 
 Step = Callable[[str], None]
 #: Smallest contact-load error drawn in the figures [% of the mean load]; smaller errors are drawn at this value.
@@ -109,10 +110,6 @@ class ErrorAndRunTime:
     gate: LargestErrorWithRange
     #: Status of the solver, such as "converged".
     status: str = "converged"
-    #: Conditions of the time measurement: program version and machine; None: not measured.
-    measured: store.MeasuringConditions | None = None
-    #: Run time from an earlier measurement, with the conditions of that measurement, as text; empty: none.
-    older: str = ""
 
 
 def largest_error_with_range(loads: Array, reference: Reference, scale: Array) -> LargestErrorWithRange:
@@ -266,8 +263,6 @@ def error_and_time_points(
 ) -> list[ErrorAndRunTime]:
     """Return the load errors and run times of all models and 3D mesh levels on one scene.
 
-    For a 3D run that was not timed together with the models, the earlier run time and its conditions are given as text.
-
     Parameters
     ----------
     scene_name
@@ -280,23 +275,21 @@ def error_and_time_points(
         Called with each line of progress.
     """
     kept, out = cache.compute_once(run_times_to_show, step), []
-    measured = None if kept is None else kept.measuring_conditions
     for model, bodies in models_with_body_files(scene_name, scene_reference, cache):
         known = None if kept is None else kept.times_by_scene_and_model.get((scene_name, model.name))
         result = _solve_scene(scene_name, model, cache, bodies)
         errors = errors_against_reference(result.load, scene_reference)
         costs: dict[str, Any] = dict.fromkeys(("cold", "warm", "memory"))
         if known is not None:
-            costs = {"cold": known.cold, "warm": known.warm, "memory": known.memory, "measured": measured}
+            costs = {"cold": known.cold, "warm": known.warm, "memory": known.memory}
         costs |= {"unknowns": result.solver.unknowns, "status": result.status}
         out.append(ErrorAndRunTime(model.label, "model", **errors, **costs, name=model.name))
     for run in stored_reference_runs(scene_name, scene_reference, cache):
-        cold, warm, older = None, None, f"{run.setup_seconds + run.solve_seconds:.3g} s, measured with {run.measured}"
+        cold, warm = None, None
         for level in () if kept is None else kept.mesh_level_times:
             if (level.scene, level.level) == (scene_name, run.level):
-                cold, warm, older = level.process, level.load_case, ""
-        costs = {"cold": cold, "warm": warm, "unknowns": run.unknowns, "memory": run.peak_MB, "older": older}
-        costs |= {"status": run.status, "measured": None if cold is None else measured}
+                cold, warm = level.process, level.load_case
+        costs = {"cold": cold, "warm": warm, "unknowns": run.unknowns, "memory": run.peak_MB, "status": run.status}
         costs |= errors_against_reference(run.load, scene_reference)
         if run.level == SOURCE_LEVEL:
             out.append(ErrorAndRunTime("3D reference, mesh of Lin's thesis", "source mesh", **costs, name="3D, Lin's mesh"))
@@ -333,17 +326,16 @@ def error_and_time_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]
     rows: list[Row] = [
         {
             "scene": scene,
-            text_column("model", "model or mesh level"): p.label,
-            load_percent_column("error", "largest contact-load error"): p.error,
-            load_percent_column("low", "lower limit of the largest contact-load error, by mesh uncertainty"): p.low,
-            load_percent_column("high", "upper limit of the largest contact-load error, by mesh uncertainty"): p.high,
-            load_percent_column("rms", "RMS error of the contact loads"): p.rms,
-            TableColumn("cold", "run time of a cold start", "s", "g3"): p.cold,
-            TableColumn("warm", "run time of a further solution", "s", "g3"): p.warm,
-            text_column("older", "run time measured with an earlier version or on another machine"): p.older,
-            text_column("unknowns", "number of unknowns"): p.unknowns,
-            TableColumn("memory", "peak memory", "MB", ".0f"): p.memory if p.memory is not None else "not measured",
-            text_column("status", "status of the solver if not converged"): "" if p.status == "converged" else p.status,
+            "model_or_level": p.label,
+            "largest_load_error": p.error,
+            "largest_load_error_low": p.low,
+            "largest_load_error_high": p.high,
+            "rms_error": p.rms,
+            "cold_start": p.cold,
+            "further_load_case": p.warm,
+            "unknowns": p.unknowns,
+            "memory": p.memory,
+            "status": "" if p.status == "converged" else p.status,
         }
         for scene, several in points_by_scene.items()
         for p in several
@@ -354,8 +346,7 @@ def error_and_time_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]
         "contact. Cold start: a new process with empty caches; for low-order models from the start of the interpreter to "
         "the first solution; for the 3D reference up to its loads, on all cores. Further "
         "solution: the compliance of the bodies is known; for the 3D reference a further load "
-        "case. All times are from one measurement; times from earlier measurements are shown in a column of their own, "
-        "with their conditions. Peak memory includes interpreter and libraries; for several processes it is the sum of "
+        "case. Peak memory includes interpreter and libraries; for several processes it is the sum of "
         "their peaks. Unknowns of the 3D reference are those of the single mesh that is equivalent to its condensed parts."
         + (f" {conditions_sentence}" if conditions_sentence else "")
     )
@@ -370,20 +361,15 @@ def command_time_table(run_times: StoredRunTimes) -> Table:
     """
     rows: list[Row] = [
         {
-            text_column("command", "command"): c.command,
-            text_column("reach", "target: upper limit of the run time with an empty home directory"): COMMANDS.get(
-                c.command, ""
-            ),
-            TableColumn("seconds", "run time with an empty home directory", "s", "g3"): c.seconds,
-            TableColumn("first_line", "time until the first line of output", "s", "g3"): c.first_line,
-            TableColumn("cpu", "CPU time with an empty home directory", "s", "g3"): c.cpu,
-            TableColumn(
-                "again", "run time when the command is run again, with the caches of the first run", "s", "g3"
-            ): c.again,
-            TableColumn("again_cpu", "CPU time when the command is run again", "s", "g3"): c.again_cpu,
-            TableColumn("beside", "run time while another process keeps a core busy", "s", "g3"): c.beside,
-            TableColumn("beside_cpu", "CPU time while another process keeps a core busy", "s", "g3"): c.beside_cpu,
-            text_column("note", "note on the measurement"): c.note,
+            "command": c.command,
+            "run_time_empty_home": c.seconds,
+            "first_line_time": c.first_line,
+            "cpu_time_empty_home": c.cpu,
+            "run_time_again": c.again,
+            "cpu_time_again": c.again_cpu,
+            "run_time_beside": c.beside,
+            "cpu_time_beside": c.beside_cpu,
+            "measurement_note": c.note,
         }
         for c in run_times.command_times
     ]
@@ -405,23 +391,21 @@ def cold_start_time_table_of_mesh_levels(run_times: StoredRunTimes) -> Table:
     rows: list[Row] = [
         {
             "scene": c.scene,
-            text_column("contacts", "number of contacts"): c.contacts,
-            text_column("level", "mesh level"): c.level,
-            TableColumn("cold", "run time of a new process with empty caches", "s", "g3"): c.process,
-            TableColumn("cpu", "CPU time of all processes", "s", "g3"): c.cpu,
-            TableColumn("load_case", "run time of each load case after the first", "s", "g3"): c.load_case,
-            text_column("stages", "longest stages of the set-up and their times"): _longest_stages_text(c),
-            TableColumn("memory", "peak memory", "MB", ".0f"): c.memory,
-            text_column("status", "status of the solver"): c.status,
+            "contacts": c.contacts,
+            "level": c.level,
+            "cold_start": c.process,
+            "cpu_time": c.cpu,
+            "further_load_case": c.load_case,
+            "longest_stages": _longest_stages_text(c),
+            "memory": c.memory,
+            "status": c.status,
         }
         for c in run_times.mesh_level_times
     ]
     note = (
         "Each level is computed in a separate process on all cores, from the start of the interpreter to the loads, "
         "without any stored mesh, part or run. Peak memory: sum of the peaks of all processes of one "
-        "set-up. Targets were 12 s for level 1 of a screw with 64 contacts, 40 s for its levels 1 to 3, 0.3 s for a "
-        "further load case, and 45 s of processor time for level 1 with 200 contacts. Where a target is missed, the tables "
-        f"reference-set-up-costs and reference-set-up-ways show the causes. {run_times}"
+        f"set-up. The tables reference-set-up-costs and reference-set-up-ways show what takes the time. {run_times}"
     )
     title = "Run times of the mesh levels of the 3D reference from a cold start"
     return Table.from_rows("reference-levels-cold", title, rows, note)
@@ -439,10 +423,10 @@ def set_up_time_tables(costs: SetUpCosts) -> list[Table]:
     rows: list[Row] = [
         {
             "scene": job.scene,
-            text_column("level", "mesh level"): job.level,
-            text_column("contacts", "number of contacts"): job.contacts,
-            text_column("stage", "stage of the set-up"): stage,
-            **{TableColumn(kind, words, "s", ".2f"): spent.get(kind, 0.0) for kind, words in WORK.items()},
+            "level": job.level,
+            "contacts": job.contacts,
+            "stage": stage,
+            **{("work_time", words): spent.get(kind, 0.0) for kind, words in WORK.items()},
         }
         for job in costs.jobs
         for stage, spent in (*job.stages.items(), ("all", {kind: job.processor_time_of_work(kind) for kind in WORK}))
@@ -454,12 +438,7 @@ def set_up_time_tables(costs: SetUpCosts) -> list[Table]:
         f"dense algebra runs in LAPACK. Two cores that never wait for each other need at least {floors}. {measured}"
     )
     ways: list[Row] = [
-        {
-            "scene": way.scene,
-            text_column("way", "variant of the set-up"): way.way,
-            TableColumn("saved", "CPU time saved by the variant", "s", ".2f"): way.saved,
-            load_percent_column("moved", "largest change of a contact load", ".4f"): way.moved,
-        }
+        {"scene": way.scene, "set_up_variant": way.way, "cpu_time_saved": way.saved, "largest_change_f4": way.moved}
         for way in costs.ways
     ]
     tried = (
@@ -490,27 +469,22 @@ def run_time_ratio_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]
 
     For each scene there are two ratios: of the times in a new process, from its start to the contact loads, and of the
     times for a further load case of the same geometry.
-    ``points_by_scene``: errors and run times by name of the scene. Raises ValueError if the times come from several
-    measurements.
+    ``points_by_scene``: errors and run times by name of the scene.
     """
     rows: list[Row] = []
     for scene, several in points_by_scene.items():
         low = next(p for p in several if p.name == "lin")
         best = [p for p in several if p.kind == "level"][-1]
         if low.cold and low.warm and best.cold and best.warm:
-            store.common_measuring_conditions(p.measured for p in (low, best) if p.measured is not None)
             rows.append(
                 {
                     "scene": scene,
-                    TableColumn("low", "run time of Lin's model, cold start", "s", "g3"): low.cold,
-                    TableColumn("low_warm", "run time of Lin's model, each load case after the first", "s", "g3"): low.warm,
-                    TableColumn("ref", "run time of the 3D reference, cold start", "s", ".1f"): best.cold,
-                    TableColumn(
-                        "ref_warm", "run time of the 3D reference, each load case after the first", "s", ".2f"
-                    ): best.warm,
-                    TableColumn("cold", "ratio of the run times, cold start", "", ".0f"): best.cold / low.cold,
-                    TableColumn("warm", "ratio of the run times, each load case after the first", "", ".0f"): best.warm
-                    / low.warm,
+                    ("cold_start_of", "Lin's model"): low.cold,
+                    ("further_load_case_of", "Lin's model"): low.warm,
+                    ("cold_start_of_f1", "the 3D reference"): best.cold,
+                    ("further_load_case_of_f2", "the 3D reference"): best.warm,
+                    "time_ratio_cold": best.cold / low.cold,
+                    "time_ratio_warm": best.warm / low.warm,
                 }
             )
     printed = printed_entry("lin-2.4.1", "speed_ratio").number_as_printed
@@ -573,23 +547,19 @@ def error_over_time_figures(points_by_scene: Mapping[str, Sequence[ErrorAndRunTi
 def errors_and_times_of_all_scenes(cache: SceneResultCache, step: Step) -> dict[str, list[ErrorAndRunTime]]:
     """Return errors and run times of all models and mesh levels on all compared scenes, by name of the scene.
 
-    ``step`` is called with each line of progress. Raises ValueError if the times come from several measurements.
+    ``step`` is called with each line of progress.
     """
     cache.compute_once(solve_refinement_sequence_on_all_scenes)  # its solutions are used here too
-    points = {
-        name: error_and_time_points(name, ref, cache, step) for name, ref in references_of_compared_scenes(cache).items()
-    }
-    store.common_measuring_conditions(p.measured for several in points.values() for p in several if p.measured is not None)
-    return points
+    found = references_of_compared_scenes(cache)
+    return {name: error_and_time_points(name, reference, cache, step) for name, reference in found.items()}
 
 
 def run_time_conditions_sentence(cache: SceneResultCache, step: Step) -> str:
     """Return a sentence on the conditions under which run times were measured: program version, machine and date.
 
-    The sentence is "No run times are stored." if there are none. ``step`` is called with each line of progress.
+    The sentence is `UNMEASURED` if there are none of this version. ``step`` is called with each line of progress.
     """
-    kept = cache.compute_once(run_times_to_show, step)
-    return "No run times are stored." if kept is None else str(kept)
+    return str(cache.compute_once(run_times_to_show, step) or store.UNMEASURED)
 
 
 def run_time_items(cache: SceneResultCache, step: Step) -> list[Table | Figure]:
@@ -606,4 +576,4 @@ def run_time_items(cache: SceneResultCache, step: Step) -> list[Table | Figure]:
         commands = load_run_times((*(cache.reference_folders or ()), store.shipped_store()), TYPED)
         items += [] if commands is None else [command_time_table(commands)]
         items += [] if costs is None else set_up_time_tables(costs)
-    return [*items, run_time_ratio_table(points), *error_over_time_figures(points)]
+    return items if kept is None else [*items, run_time_ratio_table(points), *error_over_time_figures(points)]

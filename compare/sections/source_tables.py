@@ -20,7 +20,7 @@ from rollbench.compare.evidence import PrintedEntryComparison, all_computations,
 from rollbench.compare.measure import error_percent
 from rollbench.compare.printed import VERDICT_NAMES, PrintedEntry, load_printed_table, printed_entry
 from rollbench.compare.sections.verdicts import error_for_table_cell
-from rollbench.reports.content import Row, Table, TableColumn, text_column
+from rollbench.reports.content import Row, Table, TableColumn
 
 #: Further cells of table rows, by name of the row's printed number ("table:key").
 More = Mapping[str, Row]
@@ -161,9 +161,9 @@ def printed_and_computed_table_in_layout(
         "follows": [any(f.follows_from_printed is not None for f in fs) for fs in filled],
     }
     for (label, names), several in zip(layout.rows, across, strict=True):
-        row: Row = {text_column("label", "row of the printed table"): label} if has_labels else {}
+        row: Row = {"printed_row": label} if has_labels else {}
         if of_row and any("".join(units) for units in across):
-            row[text_column("unit", "printed unit")] = next(iter(several))
+            row["unit"] = next(iter(several))
         for k, (head, name) in enumerate(zip(layout.columns, names, strict=True)):
             heading = next(iter(down[k])) if of_column and not of_row else ""
             unit = "" if of_row or of_column or not name else evidence_by_name[name].printed.unit
@@ -214,25 +214,6 @@ def computed_value_text(evidence: PrintedEntryComparison) -> str:
     return format_like_printed_number(next((v for v in values if v is not None), None), evidence.printed.number_as_printed)
 
 
-#: Columns of the table of printed and computed values: values, their errors against the printed number, and scenes.
-PRINTED, SOLID = text_column("printed", "printed value"), text_column("solid", "value by the 3D model")
-FOLLOWS = text_column("follows", "follows from other printed numbers")
-OFF = {
-    "right": TableColumn("off", "error of the low-order value against the printed value", "%", "+.2f"),
-    "faulty": TableColumn(
-        "off_faulty", "error of the value with the mistake repeated, against the printed value", "%", "+.2f"
-    ),
-    "reading": TableColumn(
-        "off_reading", "error of the value with the inferred input, against the printed value", "%", "+.2f"
-    ),
-    "solid": TableColumn("off_solid", "error of the 3D value against the printed value", "%", "+.2f"),
-}
-AGAINST = TableColumn("against", "error of the low-order value against the 3D value", "%", "+.2f")
-#: Column that states whether the printed number is reproduced; its key makes a page colour the cells.
-REPRODUCED = text_column("verdict", "whether reproduced")
-SCENES = text_column("scenes", "scenes solved, or why there are none")
-
-
 def printed_and_computed_table(
     layout: PrintedLayout,
     evidence_by_name: Mapping[str, PrintedEntryComparison],
@@ -271,10 +252,10 @@ def printed_and_computed_table(
                 row = base | {q: None for q in further if q not in base} | further_cells.get(name, {})
                 reason = join_remarks(f.reason, _tolerance_band_text(f.printed))
                 remark = remarks.setdefault(reason, len(remarks) + 1) if reason else None
-                first: Row = {text_column("label", "quantity whose value is printed"): label or f.printed.label}
-                first[text_column("column", "column of the printed table")] = "" if head == "Value" or not label else head
-                last: Row = {REPRODUCED: VERDICT_NAMES[f.verdict], "how": f"how-{f.printed.table}"}
-                rows.append(first | row | last | {text_column("remark", "remark"): remark})
+                first: Row = {"printed_quantity": label or f.printed.label}
+                first["printed_column"] = "" if head == "Value" or not label else head
+                last: Row = {"verdict": VERDICT_NAMES[f.verdict], "how": f"how-{f.printed.table}"}
+                rows.append(first | row | last | {"remark": remark})
     notes = [note, *(f"{number}: {text}" for text, number in remarks.items())]
     title = f"{layout.heading}: printed and computed value of every number"
     text = "\n".join(filter(None, notes))
@@ -288,26 +269,22 @@ def _printed_and_computed_row(layout: PrintedLayout, evidence: PrintedEntryCompa
     computed values; their errors are against the printed value, one also against the 3D value. ``reason_without_3d_value``:
     text that is shown if there is no value by the 3D reference.
     """
-    p, form = evidence.printed, f"g{layout.significant_digits}"
-    values = {
-        "right": evidence.value,
-        "faulty": evidence.as_printed,
-        "reading": evidence.value_by_inferred_assumption,
-        "solid": evidence.reference,
-    }
+    p, digits = evidence.printed, str(layout.significant_digits)
     identity = evidence.follows_from_printed is not None
-    right, faulty, solid = map(_zero_if_round_off, (evidence.value, evidence.as_printed, evidence.reference))
+    value, as_printed, solid = evidence.value, evidence.as_printed, _zero_if_round_off(evidence.reference)
+    by_inferred = evidence.value_by_inferred_assumption
     return {
-        PRINTED: f"{p.number_as_printed or p.claim} {p.unit}".rstrip(),
-        FOLLOWS: f"{evidence.follows_from_printed:.{layout.significant_digits}g}" if identity else "",
-        TableColumn("right", "value by the low-order model", "", form): right,
-        TableColumn("faulty", "value computed with the publication's mistake repeated", "", form): faulty,
-        TableColumn(
-            "reading", "value computed with an input inferred from printed results", "", form
-        ): evidence.value_by_inferred_assumption,
-        SOLID: reason_without_3d_value if solid is None else f"{solid:.{layout.significant_digits}g}",
-        **{column: _percent_error_or_none(values[key], p.value) for key, column in OFF.items()},
-        AGAINST: _percent_error_or_none(evidence.value, evidence.reference),
+        "printed": f"{p.number_as_printed or p.claim} {p.unit}".rstrip(),
+        "follows": f"{evidence.follows_from_printed:.{digits}g}" if identity else "",
+        ("value_low_order", digits): _zero_if_round_off(value),
+        ("value_as_printed", digits): _zero_if_round_off(as_printed),
+        ("value_by_inferred", digits): by_inferred,
+        "value_3d_text": reason_without_3d_value if solid is None else f"{solid:.{digits}g}",
+        "off_printed": _percent_error_or_none(value, p.value),
+        "off_faulty": _percent_error_or_none(as_printed, p.value),
+        "off_reading": _percent_error_or_none(by_inferred, p.value),
+        "off_solid": _percent_error_or_none(evidence.reference, p.value),
+        "off_reference": _percent_error_or_none(value, evidence.reference),
     }
 
 
@@ -348,18 +325,14 @@ def printed_input_table(layout: PrintedLayout, evidence_by_name: Mapping[str, Pr
     """
     rows: list[Row] = [
         {
-            text_column("label", "parameter (symbol)"): label,
-            text_column("printed", "printed value"): f.printed.number_as_printed,
-            text_column("unit", "unit"): f.printed.unit,
-            text_column("scene", "value used in the computation"): format_like_printed_number(
-                f.value, f.printed.number_as_printed
-            ),
-            text_column("name", "screws and bearings with this parameter"): ", ".join(
-                all_computations()[f.printed.table].scenes_or_reason(f.printed)[0]
-            ),
-            REPRODUCED: VERDICT_NAMES[f.verdict],
+            "parameter": label,
+            "printed": f.printed.number_as_printed,
+            "unit": f.printed.unit,
+            "value_used": format_like_printed_number(f.value, f.printed.number_as_printed),
+            "parameter_scenes": ", ".join(all_computations()[f.printed.table].scenes_or_reason(f.printed)[0]),
+            "verdict": VERDICT_NAMES[f.verdict],
             "how": f"how-{f.printed.table}",
-            text_column("remark", "remark"): f.reason,
+            "remark": f.reason,
         }
         for label, (name,) in layout.rows
         for f in (evidence_by_name[name],)
@@ -379,13 +352,11 @@ def tables_on_computation_of_numbers(file_names: Iterable[str]) -> Iterator[Tabl
         )
         rows: list[Row] = [
             {
-                text_column("keys", "names of the printed numbers in the data files"): pattern,
-                SCENES: behind if isinstance(behind, str) else ", ".join(behind),
-                text_column("function", "function that computes the numbers"): one.function_name,
-                text_column("test", "test file"): one.test_file or "–",
-                text_column(
-                    "command", "command that computes the numbers again"
-                ): f"rollbench check --printed --only {name}",
+                "entry_keys": pattern,
+                "scenes_solved": behind if isinstance(behind, str) else ", ".join(behind),
+                "function": one.function_name,
+                "test_file": one.test_file or "–",
+                "command_to_compute": f"rollbench check --printed --only {name}",
             }
             for pattern, behind in one.scenes_or_reason_by_key_pattern
         ]
@@ -445,23 +416,17 @@ def _reproduced_counts_row(place: str, entries: Sequence[PrintedEntryComparison]
     tally = Counter(f.verdict for f in numbers)
     borne = sum(f.verdict in ("reproduced", "band") for f in claims)
     return {
-        text_column("place", "publication, table or section"): place,
-        text_column("printed", "number of printed values"): len(numbers),
-        text_column("inputs", "number of printed values that are inputs of the computation"): tally["input"],
-        text_column(
-            "identities", "number of printed values that follow from printed values or are zero by definition"
-        ): tally["identity"],
-        text_column("results", "number of printed values that are results of a computation or test"): len(numbers)
-        - tally["input"]
-        - tally["identity"],
-        text_column("reproduced", "number of results reproduced"): tally["reproduced"],
-        text_column("faulty", "number of results reproduced only with the publication's mistake repeated"): tally[
-            "only as printed"
-        ],
-        text_column("band", "number of results whose computed value lies within a tolerance band"): tally["band"],
-        text_column("contradicted", "number of results contradicted by a computation"): tally["contradicted"],
-        text_column("open", f"number of results {VERDICT_NAMES['not identifiable']}"): tally["not identifiable"],
-        text_column("claims", "number of claims in words confirmed"): f"{borne} of {len(claims)}" if claims else "",
+        "publication_place": place,
+        "printed_values": len(numbers),
+        "printed_inputs": tally["input"],
+        "printed_identities": tally["identity"],
+        "printed_results": len(numbers) - tally["input"] - tally["identity"],
+        "results_reproduced": tally["reproduced"],
+        "results_as_printed": tally["only as printed"],
+        "results_in_band": tally["band"],
+        "results_contradicted": tally["contradicted"],
+        "results_not_determined": tally["not identifiable"],
+        "claims_confirmed": f"{borne} of {len(claims)}" if claims else "",
     }
 
 

@@ -12,7 +12,7 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.studies.columns import MAIN
 from rollbench.compare.studies.sweep.keys import VariedKey, read_varied_keys
 from rollbench.compare.studies.sweep.run import figures_from_sweep_summary
-from rollbench.reports.content import Cell, Section, Table, TableColumn, Text, text_column
+from rollbench.reports.content import Row, Section, Table, Text
 
 #: Shipped summary of the tolerance sweep (``summary.json``); it states the command that computed it.
 TOLERANCES = "studies/sweep/tolerances-case3.json"
@@ -53,12 +53,12 @@ def tolerance_description(tolerance: VariedKey) -> str:
     return next((text for start, text in WORDS.items() if tolerance.key.startswith(start)), tolerance.short_name)
 
 
-def _capitalised_tolerance_name(row: Mapping[str, Cell]) -> str:
+def _capitalised_tolerance_name(row: Row) -> str:
     """Return the tolerance's short name, such as "Ball grade", from a row of `tolerance_effect_rows`."""
-    return str(row["key"]).partition(":")[0].capitalize()
+    return str(row["tolerance"]).partition(":")[0].capitalize()
 
 
-def tolerance_effect_rows(tolerances: Sequence[VariedKey], sweep_summary: Mapping[str, Any]) -> list[dict[str, Cell]]:
+def tolerance_effect_rows(tolerances: Sequence[VariedKey], sweep_summary: Mapping[str, Any]) -> list[Row]:
     """Return table rows on the effect of each tolerance on the largest contact load, the most influential tolerance first.
 
     ``tolerances``: varied tolerances with their ranges. ``sweep_summary``: summary of the sweep. Each row has the range
@@ -66,19 +66,21 @@ def tolerance_effect_rows(tolerances: Sequence[VariedKey], sweep_summary: Mappin
     and the largest contact load [N] is averaged over the samples in each; the smallest and the largest of these averages
     are also in the row.
     """
-    indices = sweep_summary["indices"]["outputs"][MAIN]
-    rows: list[dict[str, Cell]] = []
+    indices, confidence = sweep_summary["indices"]["outputs"][MAIN], f"{100 * sweep_summary['indices']['confidence']:g}"
+    rows: list[Row] = []
     for vary in sorted(tolerances, key=lambda v: -indices[v.key]["total"]):
         means = [g["mean"] for g in sweep_summary["main_effects"][vary.key]]
-        row = indices[vary.key]
+        index = indices[vary.key]
         rows.append(
             {
-                "key": tolerance_description(vary),
-                "range": "any" if vary.key == "errors.seed" else f"{vary.low:g} to {vary.high:g} {vary.unit}",
-                "low": min(means),
-                "high": max(means),
-                **{name: row[name] for name in ("first", "total")},
-                **{f"{name}_band": f"{row[f'{name}_low']:.2f} to {row[f'{name}_high']:.2f}" for name in ("first", "total")},
+                "tolerance": tolerance_description(vary),
+                "tolerance_range": "any" if vary.key == "errors.seed" else f"{vary.low:g} to {vary.high:g} {vary.unit}",
+                "lowest_mean": min(means),
+                "highest_mean": max(means),
+                "sobol_first": index["first"],
+                ("sobol_first_band", confidence): f"{index['first_low']:.2f} to {index['first_high']:.2f}",
+                "sobol_total": index["total"],
+                ("sobol_total_band", confidence): f"{index['total_low']:.2f} to {index['total_high']:.2f}",
             }
         )
     return rows
@@ -95,14 +97,14 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     keys = read_varied_keys(found["vary"])
     rows = tolerance_effect_rows(keys, found)
     load = found["outputs"][MAIN]
-    luck = next(row for row in rows if row["range"] == "any")
+    luck = next(row for row in rows if row["tolerance_range"] == "any")
     first, second = [row for row in rows if row is not luck][:2]
     conclusion = (
         f"On {found['converged']} screws with random errors within tolerances, the largest contact load is "
         f"{load['mean']:.0f} N on average and exceeds {load['quantile_0.95']:.0f} N on one screw in twenty. "
-        f"{_capitalised_tolerance_name(first)} has the largest effect (total Sobol index {first['total']:.2f}), then "
-        f"{_capitalised_tolerance_name(second).lower()} ({second['total']:.2f}); chance, the random errors within the "
-        f"same tolerances, has an index of {luck['total']:.2f}."
+        f"{_capitalised_tolerance_name(first)} has the largest effect (total Sobol index {first['sobol_total']:.2f}), "
+        f"then {_capitalised_tolerance_name(second).lower()} ({second['sobol_total']:.2f}); chance, the random errors "
+        f"within the same tolerances, has an index of {luck['sobol_total']:.2f}."
     )
     text = (
         (
@@ -113,18 +115,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         ),
         f"Computed by: {sweep_command(found)}.",
     )
-    interval = f"{100 * found['indices']['confidence']:g} % confidence interval"
-    columns = (
-        text_column("key", "tolerance"),
-        text_column("range", "range over which the tolerance is varied"),
-        TableColumn("low", "lowest mean of the largest contact load over the range of the tolerance", "N", "g4"),
-        TableColumn("high", "highest mean of the largest contact load over the range of the tolerance", "N", "g4"),
-        TableColumn("first", "first-order Sobol index of the largest contact load", "", ".2f"),
-        text_column("first_band", f"{interval} of the first-order index"),
-        TableColumn("total", "total Sobol index of the largest contact load", "", ".2f"),
-        text_column("total_band", f"{interval} of the total index"),
-    )
-    table = Table("tolerances", "Effect of each tolerance on the largest contact load", columns, rows)
+    table = Table.from_rows("tolerances", "Effect of each tolerance on the largest contact load", rows)
     figures = figures_from_sweep_summary(
         "tolerances", keys, found["main_effects"], found["worst"], found["indices"], short_tolerance_name
     )

@@ -40,7 +40,7 @@ from rollbench.compare.scenes import scene_file
 from rollbench.compare.sections.fit import validated_range_table_and_figure
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text, text_column
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
 
 #: File with contact loads that are used for tests only: of randomly drawn screws, and of further mesh levels of shipped
 #: scenes.
@@ -305,18 +305,14 @@ def errors_with_u_val_table(validated_errors: Sequence[uncertainty.ErrorWithUnce
             "scene": row.scene,
             "quantity": row.quantity,
             "model": row.model,
-            TableColumn("error", "model error", "%", "+.2f"): row.error,
-            TableColumn("grid", "uncertainty of the model error due to the mesh", "%", ".2f"): row.grid,
-            TableColumn("choices", "uncertainty of the model error due to modelling choices", "%", ".2f"): row.choices,
-            TableColumn("inputs", "uncertainty of the model error due to input tolerances", "%", ".2f"): row.inputs,
-            TableColumn("u_val", "validation uncertainty u_val of the model error", "%", ".2f"): row.combined,
-            text_column("says", "whether the model error is larger than u_val"): in_error
-            if abs(row.error) > row.combined
-            else within,
-            TableColumn("within", "share of compared values whose model error is within u_val", "%", ".0f"): 100.0
-            * row.within,
-            text_column("varied", "screw or bearing on which modelling choices were varied"): row.scene_with_varied_choices
-            or "–",
+            "error_against_reference": row.error,
+            "u_mesh": row.uncertainty.discretisation,
+            "u_choices": row.uncertainty.choices,
+            "u_inputs": row.uncertainty.inputs,
+            "u_val": row.uncertainty.total,
+            "error_beyond_u_val": in_error if abs(row.error) > row.uncertainty.total else within,
+            "share_within_u_val": 100.0 * row.within,
+            "varied_on": row.uncertainty.choices_varied_on or "–",
         }
         for row in validated_errors
         if row.model in SHOWN
@@ -325,7 +321,7 @@ def errors_with_u_val_table(validated_errors: Sequence[uncertainty.ErrorWithUnce
         f"Model error: against the 3D reference. u_val: validation uncertainty, by mesh, modelling choices and input "
         f"tolerances together. For {uncertainty.CONTACTS}: the contact with the largest error, in per cent of the mean "
         "load; for other quantities in per cent of the value by the 3D reference. Input tolerances are assumed: "
-        f"{'; '.join(x.name for x in uncertainty.INPUTS)}; each is varied alone, with the model lin. Modelling choices "
+        f"{'; '.join(uncertainty.INPUTS)}; each is varied alone, with the model lin. Modelling choices "
         "were varied on two screws; if the last column names another one, the largest effect there is used. As in ASME "
         "V&V 20, the uncertainties are combined by the root of the sum of squares; they are not subtracted from an error."
     )
@@ -333,49 +329,78 @@ def errors_with_u_val_table(validated_errors: Sequence[uncertainty.ErrorWithUnce
     return Table.from_rows("u-val", title, cells, note)
 
 
-def bias_and_scatter_table(scatters: Sequence[uncertainty.BiasAndScatter]) -> Table:
+def bias_and_scatter(rows: Sequence[uncertainty.ErrorWithUncertainty]) -> list[Row]:
+    """Compute bias and scatter of the errors of each model in each quantity, as a row of a table for each such pair.
+
+    ``rows``: errors with their uncertainties, one for each scene, model and quantity.
+
+    Returns
+    -------
+    list[Row]
+        Model, quantity, numbers of scenes and of compared values; bias: geometric mean of the ratios of model to 3D
+        reference over all values, less 1 [%]; scatter: standard deviation of ln(model / reference) over all values, without
+        the part due to the mesh of the reference [%]; shares of the values whose error is at most u_val, and at most the
+        part of u_val that is due to the 3D reference [%].
+
+    Notes
+    -----
+    The method is that of NUREG-1824, supplement 1, a validation of fire models. With the ratio M/E of model to reference,
+    the bias is delta = exp(mean ln(M/E)), and the scatter sigma_M follows from sigma_M^2 = var(ln(M/E)) - sigma_E^2, at
+    least zero. sigma_E is the standard deviation of the error of the reference due to its mesh: u_grid / 2, because u_grid
+    is a 95 % bound, that is two standard deviations. Inputs and modelling choices are the same for model and reference and
+    cause no scatter.
+    """
+    out: list[Row] = []
+    for model, name in dict.fromkeys((r.model, r.quantity) for r in rows):
+        group = [r for r in rows if (r.model, r.quantity) == (model, name)]
+        logs = np.log(np.concatenate([r.ratio for r in group]))
+        grids = [r.uncertainty.discretisation for r in group]
+        known = [grid for grid in grids if np.isfinite(grid)]
+        spread = float(np.sqrt(np.mean(np.square(known)))) / 200.0 if known else 0.0
+        variance = float(logs.var(ddof=1)) if logs.size > 1 else 0.0
+        out.append(
+            {
+                "model": model,
+                "quantity": name,
+                "scenes": len(group),
+                "values": logs.size,
+                "bias": float(error_percent(np.exp(logs.mean()), 1.0)),
+                "scatter": float(error_percent(np.sqrt(max(variance - spread**2, 0.0)), 0.0, 1.0)),
+                "share_within_u_val": 100.0 * float(np.mean([r.within for r in group])),
+                "share_within_own": 100.0 * float(np.mean([r.within_own for r in group])),
+            }
+        )
+    return out
+
+
+def bias_and_scatter_table(rows: list[Row]) -> Table:
     """Return the table of bias and scatter of the errors, for each model and quantity, over all scenes.
 
-    ``scatters``: bias and scatter by model and quantity.
+    ``rows``: bias and scatter by model and quantity (`bias_and_scatter`).
     """
-    cells: list[Row] = [
-        {
-            "model": s.model,
-            "quantity": s.quantity,
-            TableColumn("scenes", "number of screws and bearings", "", "g4"): s.scenes,
-            TableColumn("values", "number of compared values", "", "g4"): s.values,
-            TableColumn("bias", "mean error (bias) of the model", "%", "+.2f"): s.bias,
-            TableColumn("scatter", "standard deviation (scatter) of the error", "%", ".2f"): s.scatter,
-            TableColumn("within", "share of compared values whose model error is within u_val", "%", ".0f"): 100.0
-            * s.within,
-            TableColumn(
-                "within_own", "share of values with an error within the uncertainty by mesh and choices", "%", ".0f"
-            ): 100.0 * s.within_own,
-        }
-        for s in scatters
-    ]
     note = (
         "Bias: geometric mean of the relative deviation of the model from the 3D reference. Scatter: relative standard "
         "deviation of the model, after subtraction of the variance by the mesh of the reference. u_val: validation "
         "uncertainty, by mesh, modelling choices and input tolerances together. All screws and bearings with a 3D "
         "reference; contacts above a tenth of the mean load."
     )
-    return Table.from_rows("bias-scatter", BIAS_TITLE, cells, note)
+    return Table.from_rows("bias-scatter", BIAS_TITLE, rows, note)
 
 
-def bias_and_scatter_figure(scatters: Sequence[uncertainty.BiasAndScatter]) -> Figure:
+def bias_and_scatter_figure(table: Table) -> Figure:
     """Draw the mean error (bias) of each model with bars of two standard deviations, in a panel for each quantity.
 
-    ``scatters``: bias and scatter by model and quantity.
+    ``table``: bias and scatter by model and quantity (`bias_and_scatter_table`).
     """
     panels = []
     order = [m.name for m in RUNGS]
-    for quantity in dict.fromkeys(s.quantity for s in scatters):
-        of_quantity = [s for s in scatters if s.quantity == quantity]
-        x = [float(order.index(s.model) + 1) for s in of_quantity]
-        ends = ([s.bias - 2.0 * s.scatter for s in of_quantity], [s.bias + 2.0 * s.scatter for s in of_quantity])
+    for quantity in dict.fromkeys(map(str, table.columns["quantity"])):
+        of_quantity = [row for row in table.rows if row["quantity"] == quantity]
+        x = [float(order.index(str(row["model"])) + 1) for row in of_quantity]
+        bias, scatter = (np.array([row[column] for row in of_quantity]) for column in ("bias", "scatter"))
+        ends = (list(bias - 2.0 * scatter), list(bias + 2.0 * scatter))
         series = (
-            Series("bias ± 2 scatter", x, [s.bias for s in of_quantity], "markers", bold=True, error_bars=ends),
+            Series("bias ± 2 scatter", x, list(bias), "markers", bold=True, error_bars=ends),
             Series("no error", [min(x), max(x)], [0.0, 0.0], "line"),
         )
         panels.append(Panel(quantity, "", "relative deviation from the 3D reference / %", series, abscissa_names=order))
@@ -399,9 +424,9 @@ def error_bound_coverage_table(cache: SceneResultCache, model_solutions: Sequenc
         counts.append((words, sum(h.covered_contact_count for h in bars), sum(h.contact_count for h in bars)))
     cells: list[Row] = [
         {
-            text_column("bound", "error bound"): words,
-            text_column("share", "number of errors within the bound"): f"{held} of {total}",
-            TableColumn("part", "share of errors within the bound", "%", ".0f"): 100.0 * held / (total or 1),
+            "error_bound": words,
+            "errors_within_bound": f"{held} of {total}",
+            "share_within_bound": 100.0 * held / (total or 1),
         }
         for words, held, total in counts
     ]
@@ -412,6 +437,12 @@ def error_bound_coverage_table(cache: SceneResultCache, model_solutions: Sequenc
     )
     title = "Share of the models' actual errors that lie within the error bounds given by rollbench"
     return Table.from_rows("bounds-held", title, cells, note)
+
+
+def tables_of_errors(cache: SceneResultCache) -> tuple[Table, Table]:
+    """Return the tables of the errors with u_val and of bias and scatter; the first page of the report reads them, too."""
+    rows = validated_errors_of_models(cache, cache.compute_once(solve_refinement_sequence_on_all_scenes))
+    return errors_with_u_val_table(rows), bias_and_scatter_table(bias_and_scatter(rows))
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
@@ -425,13 +456,13 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     if not rungs:
         return Section("u-val", title, (Text(("No run of the 3D reference is stored.",)),))
     step("uncertainty by mesh, modelling choices and input tolerances of every scene")
-    rows = validated_errors_of_models(cache, rungs)
-    found = uncertainty.bias_and_scatter(rows)
-    of_loads = {s.model: s for s in found if s.quantity == uncertainty.CONTACTS}
+    errors, scatters = cache.compute_once(tables_of_errors)
+    of_loads = {row["model"]: row for row in scatters.rows if row["quantity"] == uncertainty.CONTACTS}
     words = [
-        f"{name}: mean error (bias) of contact loads {s.bias:+.2f} %, scatter {s.scatter:.2f} %; {100.0 * s.within:.0f} % "
-        f"of the loads are within u_val, and {100.0 * s.within_own:.0f} % within the uncertainty by mesh and choices alone"
-        for name, s in of_loads.items()
+        f"{name}: mean error (bias) of contact loads {row['bias']:+.2f} %, scatter {row['scatter']:.2f} %; "
+        f"{row['share_within_u_val']:.0f} % of the loads are within u_val, and {row['share_within_own']:.0f} % within the "
+        "uncertainty by mesh and choices alone"
+        for name, row in of_loads.items()
         if name in (*SHOWN, "condensed")
     ]
     text = (
@@ -444,15 +475,15 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     )
     items: tuple[Text | Figure | Table, ...] = (
         Text(text),
-        errors_with_u_val_table(rows),
-        bias_and_scatter_table(found),
-        bias_and_scatter_figure(found),
+        errors,
+        scatters,
+        bias_and_scatter_figure(scatters),
         error_bound_coverage_table(cache, rungs),
         *validated_range_table_and_figure(cache),
     )
     stated = [
-        f"{s.bias:+.1f} % (standard deviation {s.scatter:.1f} %) with {SPOKEN.get(name, f'the {name} model')}"
-        for name, s in of_loads.items()
+        f"{row['bias']:+.1f} % (standard deviation {row['scatter']:.1f} %) with {SPOKEN.get(name, f'the {name} model')}"
+        for name, row in of_loads.items()
         if name in SHOWN
     ]
     conclusion = f"Mean error of the contact loads against the 3D reference: {', '.join(stated)}." if stated else ""

@@ -13,21 +13,10 @@ import numpy as np
 from rollbench.compare import evidence as compare_evidence
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import KINDS, VERDICT_NAMES, VERDICTS
-from rollbench.reports.content import Cell, Row, Section, Table, TableColumn, Text, text_column
+from rollbench.reports.content import ColumnKey, Row, Section, Table, Text
 
 #: Number of table rows above which a common remark is stated once, in the note below the table, and replaced by its number.
 SHARED = 2
-
-#: Headings of the columns with the number of printed numbers and claims with each verdict.
-COUNT_HEADINGS: dict[str, str] = {
-    "reproduced": "number of printed values and claims reproduced",
-    "only as printed": "number reproduced only by repeating a mistake of the publication",
-    "band": "number whose computed value lies within a tolerance band",
-    "contradicted": "number contradicted by a computation or by the publication itself",
-    "not identifiable": "number that cannot be computed from the data in the publication",
-    "input": "number used as inputs of the computation",
-    "identity": "number that follow from other printed numbers, or are zero by symmetry or definition",
-}
 
 #: Note on the tolerance bands.
 BANDS = "Tolerance bands: the table of all printed numbers states the origin of each in its column of remarks."
@@ -45,7 +34,6 @@ def printed_numbers_table(
     entries: Sequence[compare_evidence.PrintedEntryComparison],
     note: str = "",
     *,
-    digits: int = 5,
     with_place: bool = False,
 ) -> Table:
     """Return the table of printed numbers and claims, each with computed values, error, class, verdict and remark.
@@ -62,62 +50,34 @@ def printed_numbers_table(
         Printed and computed values.
     note
         Note below the table.
-    digits
-        Number of significant digits of computed values.
     with_place
         Whether all numbers are listed, with a column for their place in the publication. If not, inputs, which test no
         model, are left out, and the place is added to the label only where it differs from that of most numbers.
     """
     given = 0 if with_place else sum(f.verdict == "input" for f in entries)
     entries = [f for f in entries if f.verdict != "input"] if given else entries
-    columns = _columns_of_printed_table(entries, digits, with_place)
     usual = Counter(f.printed.place for f in entries).most_common(1)[0][0]
-    keys = [c.key for c in columns]
-    every = [_cells_of_printed_number(f, usual, with_place) for f in entries]
-    rows = [{key: cells[key] for key in keys} for cells in every]
+    rows = [_row_of_printed_number(f, usual, with_place) for f in entries]
+    faulty = any(f.as_printed is not None for f in entries)
+    inferred = any(f.value_by_inferred_assumption is not None for f in entries)
+    wanted: dict[ColumnKey, bool] = {
+        "place": with_place,
+        "follows_g5": any(f.follows_from_printed is not None for f in entries),
+        ("value_as_printed", "5"): faulty,
+        "value_3d": any(f.reference is not None for f in entries),
+        ("value_by_inferred", "5"): inferred,
+        "reading_error": inferred,
+    }
+    rows = [{key: cell for key, cell in row.items() if wanted.get(key, True)} for row in rows]
     common = _replace_remarks_by_numbers(rows)
-    notes = [note, FAULTS if "as_printed" in keys else ""]
+    notes = [note, FAULTS if faulty else ""]
     notes += [f"The {given} inputs are listed in the table printed."] if given else []
     notes += [f"Remark {i}: {text}" for i, text in enumerate(common, 1)]
-    return Table(name, title, columns, rows, " ".join(sentence for sentence in notes if sentence))
+    return Table.from_rows(name, title, rows, " ".join(sentence for sentence in notes if sentence))
 
 
-def _columns_of_printed_table(
-    entries: Sequence[compare_evidence.PrintedEntryComparison], digits: int, with_place: bool
-) -> tuple[TableColumn, ...]:
-    """Return those columns of `printed_numbers_table` that have a value for at least one of the listed numbers.
-
-    ``entries``: printed and computed values. ``digits``: number of significant digits of computed values. ``with_place``:
-    whether there is a column for the place in the publication.
-    """
-    form = f"g{digits}"
-    faulty = any(f.as_printed is not None for f in entries)
-    identities = any(f.follows_from_printed is not None for f in entries)
-    inferred = any(f.value_by_inferred_assumption is not None for f in entries)
-    solid = any(f.reference is not None for f in entries)
-    wanted = (
-        (True, text_column("label", "quantity or claim")),
-        (with_place, text_column("place", "place in the publication")),
-        (True, text_column("verdict", "whether reproduced")),
-        (True, text_column("class", "class: how a number must be reproduced (hard, as-printed, band, open or input)")),
-        (True, text_column("unit", "unit")),
-        (True, text_column("printed", "printed value")),
-        (identities, TableColumn("follows", "follows from other printed numbers", "", form)),
-        (faulty, TableColumn("as_printed", "value computed with the publication's mistake repeated", "", form)),
-        (True, TableColumn("right", "value computed correctly, without the publication's mistake", "", form)),
-        (solid, TableColumn("solid", "value by the 3D model", "", form)),
-        (True, TableColumn("error", "error of the computed against the printed value", "%", "g3")),
-        (inferred, TableColumn("reading", "value computed with an input inferred from printed results", "", form)),
-        (inferred, TableColumn("reading_error", "error against the printed value, with the inferred input", "%", ".2f")),
-        (True, text_column("remark", "remark")),
-    )
-    return tuple(column for shown, column in wanted if shown)
-
-
-def _cells_of_printed_number(
-    evidence: compare_evidence.PrintedEntryComparison, usual_place: str, with_place: bool
-) -> dict[str, Cell]:
-    """Return the cells of `printed_numbers_table` for one printed number or claim, by key of the column.
+def _row_of_printed_number(evidence: compare_evidence.PrintedEntryComparison, usual_place: str, with_place: bool) -> Row:
+    """Return the row of `printed_numbers_table` for one printed number or claim.
 
     ``evidence``: the printed number with its computed values. ``usual_place``: place in the publication of most numbers; a
     different place is added to the label. ``with_place``: whether the table has a column for the place.
@@ -125,22 +85,21 @@ def _cells_of_printed_number(
     p = evidence.printed
     section = p.place.removeprefix("Lin (2019), ")
     where = "" if with_place or p.place == usual_place else f" ({section})"
+    zero = p.value == 0.0 and abs(evidence.value or 0.0) < ROUND_OFF and evidence.value is not None
     return {
-        "label": (p.claim or p.label) + where,
+        "entry": (p.claim or p.label) + where,
         "place": section,
+        "verdict": VERDICT_NAMES[evidence.verdict],
+        "class": p.entry_class,
         "unit": p.unit,
         "printed": p.number_as_printed or "–",
-        "follows": evidence.follows_from_printed,
-        "as_printed": evidence.as_printed,
-        "reading": evidence.value_by_inferred_assumption,
-        "solid": evidence.reference,
-        "right": 0.0
-        if p.value == 0.0 and abs(evidence.value or 0.0) < ROUND_OFF and evidence.value is not None
-        else evidence.value,
+        "follows_g5": evidence.follows_from_printed,
+        ("value_as_printed", "5"): evidence.as_printed,
+        "value_correct": 0.0 if zero else evidence.value,
+        "value_3d": evidence.reference,
+        "error_against_printed": error_for_table_cell(evidence.error_percent),
+        ("value_by_inferred", "5"): evidence.value_by_inferred_assumption,
         "reading_error": error_for_table_cell(evidence.reading_error_percent),
-        "error": error_for_table_cell(evidence.error_percent),
-        "class": p.entry_class,
-        "verdict": VERDICT_NAMES[evidence.verdict],
         "remark": compare_evidence.join_remarks(
             evidence.remark, p.remark, p.origin_of_limits and f"Tolerance band: {p.origin_of_limits}"
         ),
@@ -154,7 +113,7 @@ def error_for_table_cell(error: float | None) -> float | None:
     return error if abs(error) > ROUND_OFF else 0.0
 
 
-def _replace_remarks_by_numbers(rows: Sequence[dict[str, Cell]]) -> list[str]:
+def _replace_remarks_by_numbers(rows: Sequence[Row]) -> list[str]:
     """Replace remarks that occur in more than `SHARED` table rows by references such as "remark 1", in place.
 
     ``rows``: cells of each row by key of the column; the cells "remark" are changed. Returns the texts of the replaced
@@ -201,11 +160,9 @@ def printed_entry_counts_by_kind_table(entries: Sequence[compare_evidence.Printe
     tally = Counter((r.printed.kind, r.verdict) for r in entries)
     cells: list[Row] = [
         {
-            text_column("kind", "kind of the printed number or claim"): words,
-            **{text_column(v, COUNT_HEADINGS[v]): tally[kind, v] for v in VERDICTS},
-            text_column("all", "number of all printed numbers and claims of this kind"): sum(
-                tally[kind, v] for v in VERDICTS
-            ),
+            "entry_kind": words,
+            **{f"entries_{v}": tally[kind, v] for v in VERDICTS},
+            "entries": sum(tally[kind, v] for v in VERDICTS),
         }
         for kind, words in KINDS.items()
     ]
@@ -221,14 +178,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     step("every printed number and claim")
     audited = compare_evidence.evidence_of_all_tables(cache)
     tally = Counter((r.printed.entry_class, r.verdict) for r in audited)
-    rows: list[Row] = [
-        {
-            text_column("class", "class: how numbers must be reproduced (hard, as-printed, band, open or input)"): c,
-            text_column("verdict", "whether reproduced"): VERDICT_NAMES[v],
-            text_column("count", "number of printed numbers and claims"): n,
-        }
-        for (c, v), n in sorted(tally.items())
-    ]
+    rows: list[Row] = [{"class": c, "verdict": VERDICT_NAMES[v], "entries": n} for (c, v), n in sorted(tally.items())]
     text = (
         "Some inputs that the publications do not print were inferred from printed results; these results are therefore no "
         f"confirmation: {INFERRED}."
@@ -248,27 +198,21 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     )
 
 
-def text_columns_of_table(*columns: tuple[str, str]) -> tuple[TableColumn, ...]:
-    """Return table columns that contain texts, from pairs of column key and heading."""
-    return tuple(text_column(key, label) for key, label in columns)
-
-
 def printed_entry_counts_by_publication_table(entries: Sequence[compare_evidence.PrintedEntryComparison]) -> Table:
     """Return the table that counts the printed numbers and claims by publication and verdict.
 
     ``entries``: printed numbers and claims with their verdicts.
     """
-    headings = [(v, COUNT_HEADINGS[v] + ("; they test no model" if v in compare_evidence.APART else "")) for v in VERDICTS]
-    columns = text_columns_of_table(
-        ("source", "publication"),
-        *headings,
-        ("judged", "number of printed numbers and claims that test a model"),
-        ("all", "number of printed numbers and claims"),
-    )
+    rows = [
+        {"publication": counts["source"]}
+        | {f"entries_{v}": counts[v] for v in VERDICTS}
+        | {"entries_judged": counts["judged"], "entries": counts["all"]}
+        for counts in compare_evidence.count_entries_by_verdict(entries)
+    ]
     identities = "identities (arithmetic on printed numbers, or zero by symmetry or definition)"
     note = f"Inputs, and {identities}, test no model. {BANDS}"
     title = "Count of the numbers and claims printed in each publication, by whether they are reproduced"
-    return Table("audit-counts", title, columns, compare_evidence.count_entries_by_verdict(entries), note)
+    return Table.from_rows("audit-counts", title, rows, note)
 
 
 def misprints_table(case_name: str = "") -> Table:
@@ -276,18 +220,20 @@ def misprints_table(case_name: str = "") -> Table:
 
     ``case_name``: short name of the publication, such as "lin"; empty: all publications.
     """
-    columns = text_columns_of_table(
-        *(() if case_name else (("source", "publication"),)),
-        ("place", "place in the publication"),
-        ("wrong", "number or text as printed"),
-        ("right", "correct number or text"),
-        ("evidence", "evidence for the misprint"),
-        ("command", "command that shows the misprint"),
-        ("test", "test that checks the misprint"),
-    )
-    rows = [row for row in compare_evidence.misprint_rows() if row["source"] == case_name or not case_name]
+    rows = [
+        ({} if case_name else {"publication": row["source"]})
+        | {
+            "place": row["place"],
+            "misprint": row["wrong"],
+            "correction": row["right"],
+            "misprint_shown_by": row["evidence"],
+        }
+        | {"command_to_show": row["command"], "misprint_test": row["test"]}
+        for row in compare_evidence.misprint_rows()
+        if row["source"] == case_name or not case_name
+    ]
     title = "Misprints in the publications, each with a command that shows it and a test that checks it"
-    return Table(f"{case_name or 'audit'}-misprints", title, columns, rows)
+    return Table.from_rows(f"{case_name or 'audit'}-misprints", title, rows)
 
 
 def misprints_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
@@ -299,19 +245,17 @@ def misprints_section(cache: SceneResultCache, step: Callable[[str], None]) -> S
     rows = compare_evidence.evidence_of_all_tables(cache)
     words = [compare_evidence.reproduction_sentence(row) for row in compare_evidence.count_entries_by_verdict(rows)]
     meanings = [f"{VERDICT_NAMES[verdict]}: {text}." for verdict, text in VERDICTS.items()]
-    missing = text_columns_of_table(
-        ("source", "publication"),
-        ("place", "place in the publication"),
-        ("what", "quantities that are not compared"),
-        ("count", "approximate number of printed values that are not compared"),
-        ("reason", "reason why they are not compared"),
-    )
+    missing = [
+        {"publication": row["source"], "place": row["place"], "quantities_left_out": row["what"]}
+        | {"values_not_compared": row["count"], "why_not_compared": row["reason"]}
+        for row in compare_evidence.uncompared_number_rows()
+    ]
     title = "Printed numbers that are not compared with computed ones, with the reason"
     items = (
         Text(words),
         printed_entry_counts_by_publication_table(rows),
         Text(meanings, bullets=True),
         misprints_table(),
-        Table("audit-left-out", title, missing, compare_evidence.uncompared_number_rows()),
+        Table.from_rows("audit-left-out", title, missing),
     )
     return Section("audit", "Misprints and contradictions found in each publication", items)

@@ -1,6 +1,6 @@
 """Report sections that verify the 3D reference: against Hertz theory, and against the program CalculiX.
 
-Against Hertz: error, unknowns and run time of each element type, for a circular and an elliptical contact. Against
+Against Hertz: error and unknowns of each element type, for a circular and an elliptical contact. Against
 CalculiX: contact loads of two small scenes, whose bodies CalculiX meshes whole, without condensation.
 """
 
@@ -17,7 +17,7 @@ from rollbench.compare.studies.crosscheck import results
 from rollbench.compare.studies.crosscheck.study import STUDIES, digest_of_shipped_scene, load_nut_compliance
 from rollbench.hifi.contact import block
 from rollbench.hifi.contact.block import solve_hertz_contact as solve_block
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text, load_percent_column
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
 
 #: Numbers of cells across the short semi-axis of the contact ellipse, by element type, for a total of 25 s on two cores.
 #: Tetrahedra are not stretched like the ellipse, so P2 with 6 cells would take as long as all other meshes together.
@@ -54,7 +54,7 @@ class HertzComputation:
 
     #: Label of the mesh: its element type, or that it has Lin's element sizes.
     mesh_label: str
-    #: Computed contact: approach, semi-axes, pressures, number of unknowns and times.
+    #: Computed contact: approach, semi-axes, pressures, and number of unknowns.
     computed: block.HertzContactSolution
     #: Error of each computed quantity against Hertz theory [%], by name of the quantity.
     error_percents: Mapping[str, float]
@@ -87,8 +87,6 @@ def compute_hertz_contacts(
     cell_counts
         Numbers of cells across the short semi-axis of the contact ellipse, by element type; one mesh for each.
     """
-    for element in cell_counts:
-        solve_block(block.JOBS["A"], element, 1.0)  # loads the libraries, so that no timed run includes this
     out = []
     for job in block.JOBS.values():
         for element, refinements in cell_counts.items():
@@ -148,44 +146,33 @@ def _lin_mesh_error_sentence(computation: HertzComputation) -> str:
     )
 
 
-#: Stages of a computation whose times are shown.
-TIMES = ("mesh", "assembly", "factor", "solve", "contact")
-
-#: Names of these stages in column headings.
-STAGES = {
-    "mesh": "meshing",
-    "assembly": "assembly",
-    "factor": "factorisation",
-    "solve": "compliance of the contact nodes",
-    "contact": "contact iteration",
-}
-
-
 def mesh_cells_of_row(computation: HertzComputation) -> Row:
     """Return the first cells of a table row on a Hertz contact: its name, mesh, cells across the short semi-axis (b/h).
 
     ``computation``: computation of one Hertz contact on one mesh.
     """
     return {
-        TableColumn("job", "contact: A ball on a flat, B ball in a groove", "", "s"): computation.computed.contact_name,
-        TableColumn("mesh", "element type of the mesh", "", "s"): computation.mesh_label,
-        TableColumn("b_over_h", "cells across the short semi-axis, b/h", "", ".1f"): computation.computed.b_over_h,
+        "contact_a_or_b": computation.computed.contact_name,
+        "element_type": computation.mesh_label,
+        "cells_across_b": computation.computed.b_over_h,
     }
 
 
 def hertz_error_row(computation: HertzComputation) -> Row:
-    """Return the row of the error table for one computed Hertz contact: mesh, unknowns, run time and errors [%].
+    """Return the row of the error table for one computed Hertz contact: mesh, unknowns and errors [%].
 
     ``computation``: the computed contact with its errors.
     """
     run, off = computation.computed, computation.error_percents
-    return mesh_cells_of_row(computation) | {
-        TableColumn("unknowns", "number of unknowns", "", "s"): run.free_degree_of_freedom_count,
-        TableColumn("contact_nodes", "number of contact nodes", "", "s"): run.contact_node_count,
-        TableColumn("iterations", "number of contact iterations", "", "s"): run.newton_iteration_count,
-        TableColumn("seconds", "run time", "s", "g2"): run.total_seconds,
-        **{TableColumn(name, f"error of the {ERROR_NAMES.get(name, name)}", "%", ".2f"): off[name] for name in ERRORS},
-    }
+    return (
+        mesh_cells_of_row(computation)
+        | {
+            "unknowns": run.free_degree_of_freedom_count,
+            "contact_nodes": run.contact_node_count,
+            "iterations": run.newton_iteration_count,
+        }
+        | {("error_of", ERROR_NAMES.get(name, name)): off[name] for name in ERRORS}
+    )
 
 
 def rows_of_computed_and_hertz_values(computations: Sequence[HertzComputation]) -> list[Row]:
@@ -206,66 +193,45 @@ def rows_of_computed_and_hertz_values(computations: Sequence[HertzComputation]) 
             most, error = TARGETS.get(name, TARGETS["semi-axes"]), one.error_percents[name]
             rows.append(
                 {
-                    TableColumn("job", "contact problem", "", "s"): f"{run.contact_name}, {WHAT[run.contact_name]}",
+                    "contact_problem": f"{run.contact_name}, {WHAT[run.contact_name]}",
                     "quantity": name,
                     "unit": unit,
-                    TableColumn("value", "value by 3D finite elements", "", "g6"): scale * getattr(run, key),
-                    TableColumn("reference", "value by Hertz theory", "", "g6"): scale * getattr(run.hertz_solution, key),
-                    TableColumn("error", "error against Hertz theory", "%", ".3f"): error,
-                    TableColumn("target", "largest error allowed", "%", ".1f"): most,
-                    TableColumn("met", "whether the error is within the largest allowed", "", "s"): "yes"
-                    if abs(error) <= most
-                    else "NO",
+                    "value_by_elements": scale * getattr(run, key),
+                    "value_by_hertz": scale * getattr(run.hertz_solution, key),
+                    "error_against_hertz": error,
+                    "error_target": most,
+                    "error_within_target": "yes" if abs(error) <= most else "NO",
                 }
             )
     return rows
 
 
 def hertz_error_figure(computations: Sequence[HertzComputation], job: str) -> Figure:
-    """Draw the errors of approach and peak pressure against Hertz theory, plotted over unknowns and over run time.
+    """Draw the errors of approach and peak pressure against Hertz theory, plotted over unknowns.
 
     ``computations``: computations on all meshes. ``job``: name of the Hertz contact, "A" (ball on a flat) or "B" (ball in a
     groove).
     """
     panels = []
     for quantity in ("approach", "pole pressure"):
-        for axis in ("unknowns", "seconds"):
-            curves = []
-            for label in (*NAMES.values(), SOURCE):
-                runs = [one for one in computations if one.computed.contact_name == job and one.mesh_label == label]
-                key = "free_degree_of_freedom_count" if axis == "unknowns" else "total_seconds"
-                x = [float(getattr(one.computed, key)) for one in runs]
-                y = [max(abs(one.error_percents[quantity]), 1e-3) for one in runs]
-                style = "markers" if label == SOURCE else "line+markers"
-                if runs:
-                    curves.append(Series(label, x, y, style, bold=label == NAMES[PRODUCTION[0]]))
-            unit = "number of unknowns" if axis == "unknowns" else "run time [s]"
-            title = f"error of the {quantity} over {'unknowns' if axis == 'unknowns' else 'run time'}"
-            panels.append(Panel(title, unit, f"error of the {quantity} [%]", curves, log_axes="xy"))
+        curves = []
+        for label in (*NAMES.values(), SOURCE):
+            runs = [one for one in computations if one.computed.contact_name == job and one.mesh_label == label]
+            x = [float(one.computed.free_degree_of_freedom_count) for one in runs]
+            y = [max(abs(one.error_percents[quantity]), 1e-3) for one in runs]
+            style = "markers" if label == SOURCE else "line+markers"
+            if runs:
+                curves.append(Series(label, x, y, style, bold=label == NAMES[PRODUCTION[0]]))
+        panels.append(Panel("", "number of unknowns", f"error of the {quantity} [%]", curves, log_axes="xy"))
     return Figure(
         f"verification-{job}",
-        f"Error of the 3D contact against Hertz theory, plotted over unknowns and run time: {WHAT[job]} (job {job})",
+        f"Error of the 3D contact against Hertz theory, plotted over unknowns: {WHAT[job]} (job {job})",
         panels,
         caption=(
             "Absolute values of the errors; at a minimum the error changes its sign. Errors below 0.001 % are drawn at "
-            "that value. Pressures at single nodes of 4-node tetrahedra scatter with the mesh. Run time: from meshing to "
-            "the contact iteration."
+            "that value. Pressures at single nodes of 4-node tetrahedra scatter with the mesh."
         ),
     )
-
-
-def stage_times_table(computations: Sequence[HertzComputation]) -> Table:
-    """Return the table of the time [s] of each stage (meshing, assembly and so on) of every computed Hertz contact.
-
-    ``computations``: computations of each Hertz contact on all meshes.
-    """
-    stages = {name: TableColumn(f"{name}_seconds", f"time: {STAGES[name]}", "s", "g2") for name in TIMES}
-    rows = [
-        mesh_cells_of_row(one) | {stage: one.computed.seconds_by_stage[name] for name, stage in stages.items()}
-        for one in computations
-    ]
-    title = "Ball contact by 3D finite elements: time of each stage of the computation"
-    return Table.from_rows("verification-times", title, rows)
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
@@ -296,14 +262,13 @@ def hertz_section(computations: Sequence[HertzComputation]) -> Section:
         f"of the sphere is not printed) and of up to {1000.0 * block.SOURCE_COARSE:g} mm outside.",
     )
     of_mesh = f"Error against Hertz theory of the mesh that the 3D reference uses ({mesh})"
-    of_all = "Ball contact by 3D finite elements: error against Hertz theory, unknowns and time of each element and mesh"
+    of_all = "Ball contact by 3D finite elements: error against Hertz theory, unknowns of each element and mesh"
     items: tuple[Text | Table | Figure, ...] = (
         Text(text),
         Text(error_target_sentences(computations), bullets=True),
         Table.from_rows("verification-targets", of_mesh, rows_of_computed_and_hertz_values(computations)),
         Table.from_rows("verification-errors", of_all, map(hertz_error_row, computations)),
         *(hertz_error_figure(computations, job) for job in block.JOBS),
-        stage_times_table(computations),
     )
     return Section("verification", "Error of the 3D contact elements against Hertz theory", items)
 
@@ -337,7 +302,7 @@ NUT = (
 
 
 def calculix_run_table(calculix_runs: results.CalculixRunsOfScene) -> Table:
-    """Return the table of the CalculiX runs on one scene: mesh, contact stiffness, run time and residual forces.
+    """Return the table of the CalculiX runs on one scene: mesh, contact stiffness and residual forces.
 
     ``calculix_runs``: stored results of CalculiX on this scene.
     """
@@ -352,31 +317,28 @@ def calculix_run_table(calculix_runs: results.CalculixRunsOfScene) -> Table:
         weak = float(error_percent(run.weak, 0.0, mean))
         rows.append(
             {
-                TableColumn("across", "b/h: elements across the minor semi-axis b at mean load", "", ".1f"): run.b_over_h,
-                TableColumn("fine", "element size h at the contacts", "mm", ".3f"): 1e3 * run.fine,
-                TableColumn("growth", "growth g of the element size per distance from the contact", "", ".2f"): run.growth,
-                TableColumn("stiffness", "contact stiffness", "N/mm3", "g2"): 1e-9 * run.stiffness,
-                TableColumn("large", "large or small displacements", "", "s"): "large" if run.nlgeom else "small",
-                TableColumn("bodies", "bodies meshed half or whole", "", "s"): meshed,
-                TableColumn("nodes", "number of nodes", "", "s"): run.nodes,
-                TableColumn("cells", "number of tetrahedra", "", "s"): sum(m.cells for m in run.meshes),
-                TableColumn("jacobian", "smallest scaled Jacobian of the elements", "", ".2f"): min(
-                    m.smallest for m in run.meshes
-                ),
-                TableColumn("iterations", "number of iterations", "", "s"): run.iterations,
-                TableColumn("seconds", "processor time", "s", ".0f"): run.seconds,
-                TableColumn("sum", "sum of the contact loads", "N", ".1f"): float(run.load.sum()),
-                load_percent_column("weak", "largest force of a ball's weak spring", "g2"): weak,
-                load_percent_column("loose", "largest unbalanced force of a ball", "g2"): loose,
-                load_percent_column("large_change", "largest load change by large displacements", ".3f"): change,
+                "elements_across_b": run.b_over_h,
+                "element_size": 1e3 * run.fine,
+                "element_growth": run.growth,
+                "contact_stiffness": 1e-9 * run.stiffness,
+                "large_displacements": "large" if run.nlgeom else "small",
+                "half_or_whole": meshed,
+                "nodes": run.nodes,
+                "tetrahedra": sum(m.cells for m in run.meshes),
+                "scaled_jacobian": min(m.smallest for m in run.meshes),
+                "iterations": run.iterations,
+                "load_sum": float(run.load.sum()),
+                "weak_spring_force": weak,
+                "unbalanced_force": loose,
+                "change_by_large_displacements": change,
             }
         )
     first = calculix_runs.runs[0]
     note = (
         f"{first.program}, {first.date}; meshes by gmsh {calculix_runs.gmsh} and rollbench {calculix_runs.rollbench}. "
-        "Processor time of one thread. A weak spring prevents each ball from sliding along its track."
+        "A weak spring prevents each ball from sliding along its track."
     )
-    title = f"Meshes, processor times and residual forces of the CalculiX runs on {calculix_runs.scene}"
+    title = f"Meshes and residual forces of the CalculiX runs on {calculix_runs.scene}"
     return Table.from_rows(f"crosscheck-runs-{calculix_runs.scene}", title, rows, note)
 
 
@@ -397,8 +359,10 @@ def calculix_contact_tables(
         Loads by CalculiX extrapolated to zero element size.
     """
     rows = results.compare_contact_loads(calculix_runs, reference, extrapolation)
-    headings = results.columns_of_contact_load_table(calculix_runs, reference)
-    ends, each = ([{c.key: r.cells()[c.key] for c in shown} for r in rows] for shown in (results.COLUMNS, headings))
+    by_mesh = results.columns_of_contact_load_table(calculix_runs, reference)
+    ends, each = (
+        {column: [r.cells()[key] for r in rows] for column, key in shown.items()} for shown in (results.COLUMNS, by_mesh)
+    )
     fixed = f" Not varied: {', '.join(extrapolation.unvaried_options)}." if extrapolation.unvaried_options else ""
     note = (
         f"{results.agreement_sentence(calculix_runs.scene, rows)} Order {extrapolation.error_order:.2f}, length "
@@ -415,8 +379,8 @@ def calculix_contact_tables(
     first = f"Contact loads of {calculix_runs.scene} by the 3D reference and by CalculiX, extrapolated to cell size zero"
     second = f"Contact loads of {calculix_runs.scene} by the 3D reference and by CalculiX: b/h elements across b, growth g"
     return [
-        Table(f"crosscheck-{calculix_runs.scene}", first, results.COLUMNS, ends, note),
-        Table(f"crosscheck-meshes-{calculix_runs.scene}", second, headings, each, meshes),
+        Table(f"crosscheck-{calculix_runs.scene}", first, ends, note),
+        Table(f"crosscheck-meshes-{calculix_runs.scene}", second, each, meshes),
     ]
 
 

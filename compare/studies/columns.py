@@ -13,12 +13,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rollbench.compare.errors import InputError
 from rollbench.compare.measure import mean_load
 from rollbench.compare.models import loading
 from rollbench.compare.models.answers import results_of_contact_loads
 from rollbench.compare.models.load_cases import contact_loads_by_nut_or_bearing, rating_life_over_duty_cycle
 from rollbench.compare.models.many import Record
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model, run_model_on_scenes
 from rollbench.compare.models.set_results import LifeByLoads
 from rollbench.compare.models.stiffness import SceneStiffness, secant_of_nuts, stiffness_of_scene
 from rollbench.compare.scenes.duty_cycle import DutyCycle
@@ -58,6 +60,8 @@ class SolvedScene:
     model: str
     #: Static result by the model.
     result: StaticResult | AxisResult
+    #: Result of the scene with all external loads set to zero; None: it is solved where it is asked for.
+    solved_unloaded: StaticResult | AxisResult | None = None
 
     @property
     def options(self) -> ModelOptions:
@@ -90,6 +94,8 @@ class SolvedScene:
     @cached_property
     def unloaded(self) -> StaticResult | AxisResult:
         """Static result of the scene with all external loads set to zero."""
+        if self.solved_unloaded is not None:
+            return self.solved_unloaded
         if isinstance(self.scene, Scene):
             return loading.solve_with_scaled_loads(self.scene, 0.0, self.model, self.options)
         return run_model(loading.with_scaled_loads(self.scene, 0.0), self.model, self.options)
@@ -176,9 +182,11 @@ def largest_pressures(solved: SolvedScene) -> Iterator[float]:
             yield worst.pressure
 
 
-def _nominal_contacts(scene: Scene | Assembly) -> int:
+def _nominal_contacts(solved: SolvedScene) -> int:
     """Return the number of contacts over which the mean load is taken, see `mean_load`."""
-    return count_nominal_contacts(scene) if isinstance(scene, Scene) else 0
+    if isinstance(solved.scene, Scene) and isinstance(solved.result, StaticResult):
+        return count_nominal_contacts(solved.scene, solved.result)
+    return 0
 
 
 class Column(NamedTuple):
@@ -189,6 +197,8 @@ class Column(NamedTuple):
     #: Function that computes the value in the unit of the heading from a solved scene; None where it does not exist. It is
     #: called only if the column is asked for.
     value: Callable[[SolvedScene], Any]
+    #: Whether the function asks for the solution of the scene without its loads.
+    unloaded: bool = False
 
 
 #: Column that decides which samples are the worst, and of which main effects and plots are made: the largest contact load.
@@ -204,7 +214,7 @@ _GROWTH = "largest load over that in the first load case, {} of all nuts and bea
 #: without rollers. A torque needs a [friction] table in the scene.
 COLUMNS = {
     MAIN: Column("largest contact load / N", lambda s: float(s.positive_loads.max(initial=0.0))),
-    "mean_load_N": Column("mean contact load / N", lambda s: mean_load(s.positive_loads, _nominal_contacts(s.scene))),
+    "mean_load_N": Column("mean contact load / N", lambda s: mean_load(s.positive_loads, _nominal_contacts(s))),
     "loaded_contacts": Column("number of loaded contacts", lambda s: int(s.positive_loads.size)),
     "idle_balls": Column(
         "number of balls without load",
@@ -217,8 +227,8 @@ COLUMNS = {
             (1e6 * float((x.hertz_C * np.cbrt(x.load) ** 2).max(initial=0.0)) for _, x in s.ball_sets), default=None
         ),
     ),
-    "rigidity_N_per_um": Column("axial secant rigidity of the nut / (N/um)", _rigidity),
-    "preload_N": Column("axial preload / N", _preload),
+    "rigidity_N_per_um": Column("axial secant rigidity of the nut / (N/um)", _rigidity, unloaded=True),
+    "preload_N": Column("axial preload / N", _preload, unloaded=True),
     "torque_Nmm": Column("friction torque / (N mm)", _torque),
     "life_million_revolutions": Column("life by the contact loads / 10^6 revolutions", _life),
     "largest_growth": Column(_GROWTH.format("largest ratio"), lambda _: None),
@@ -226,19 +236,43 @@ COLUMNS = {
 }
 
 
-def row_of_scene(scene: Scene | Assembly, model: str, wanted: Collection[str]) -> tuple[SolvedScene, Record]:
-    """Solve one load case; return it and its columns by name, with "at", the contact with the largest load.
+def rows_of_scenes(
+    scenes: Sequence[Scene | Assembly], model: str, wanted: Collection[str]
+) -> list[tuple[SolvedScene, Record] | InputError]:
+    """Solve load cases together; return each with its columns by name and "at", the contact with the largest load.
 
     ``wanted``: names of the columns, keys of `COLUMNS`. The record is empty without solution. Friction torques are left to
-    `compute_torques`.
+    `compute_torques`. An error stands in place of a load case that the model refuses.
     """
-    solved = SolvedScene(
-        scene, model, run_model(scene, model, ModelOptions(estimate_beam_mesh_error=isinstance(scene, Assembly)))
-    )
-    if not solved.result.converged:
-        return solved, {}
-    row = {name: column.value(solved) for name, column in COLUMNS.items() if name == MAIN or name in wanted}
-    return solved, row | {"at": solved.most_loaded}
+    results = run_model_on_scenes(scenes, model)
+    asked = {name: column for name, column in COLUMNS.items() if name == MAIN or name in wanted}
+    known: dict[int, StaticResult | AxisResult | InputError] = {}
+    if any(column.unloaded for column in asked.values()):
+        solved = [k for k, one in enumerate(results) if not isinstance(one, InputError) and one.converged]
+        bare = run_model_on_scenes([loading.with_scaled_loads(scenes[k], 0.0) for k in solved], model)
+        known = dict(zip(solved, bare, strict=True))
+
+    def row(k: int) -> tuple[SolvedScene, Record] | InputError:
+        """Return the load case with the number ``k`` and its columns, or its error."""
+        result, unloaded = results[k], known.get(k)
+        if isinstance(result, InputError):
+            return result
+        if isinstance(unloaded, InputError):
+            return unloaded
+        solved = SolvedScene(scenes[k], model, result, unloaded)
+        if not result.converged:
+            return solved, {}
+        return solved, {name: column.value(solved) for name, column in asked.items()} | {"at": solved.most_loaded}
+
+    return [row(k) for k in range(len(scenes))]
+
+
+def row_of_scene(scene: Scene | Assembly, model: str, wanted: Collection[str]) -> tuple[SolvedScene, Record]:
+    """Solve one load case as `rows_of_scenes`; raise InputError if the model refuses it."""
+    (row,) = rows_of_scenes([scene], model, wanted)
+    if isinstance(row, InputError):
+        raise row
+    return row
 
 
 def row_of_duty_cycle(

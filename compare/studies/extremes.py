@@ -382,13 +382,13 @@ MISSTATED = "misstated by the command line"
 #: Good and bad outcomes.
 GOOD, BAD = (RIGHT, REFUSED, PROVEN, NOT_UNIQUE), (WRONG, UNPROVEN, SILENT, CRASHED, MISSTATED)
 
-#: Headings of the report's columns with the numbers of scenes with each bad outcome.
-BAD_HEADINGS = {
-    WRONG: "cases with a wrong result",
-    UNPROVEN: "cases refused for a reason that is not proven independently",
-    SILENT: "cases refused without a reason",
-    CRASHED: "cases that end in a Python traceback",
-    MISSTATED: "cases whose printed result is not the computed one",
+#: Columns of the report with the numbers of scenes with each bad outcome.
+BAD_COLUMNS = {
+    WRONG: "wrong_results",
+    UNPROVEN: "refused_unproven",
+    SILENT: "refused_without_reason",
+    CRASHED: "tracebacks",
+    MISSTATED: "misstated_results",
 }
 
 
@@ -415,7 +415,7 @@ def built_in_campaign_records() -> list[Record]:
 def campaign_table_rows(records: Sequence[Record]) -> list[Row]:
     """Return the rows of the report's table of test campaigns, one for each campaign of many random scenes.
 
-    ``records``: records of the campaigns. A row has, by the heading of the column, the command that ran the campaign, the
+    ``records``: records of the campaigns. A row has the command that ran the campaign, the
     version of rollbench, and how many scenes, damaged files and killed processes led to each outcome.
     """
     out = []
@@ -424,19 +424,17 @@ def campaign_table_rows(records: Sequence[Record]) -> list[Row]:
         scenes, kills = r["scenes"], r["files"].get("kill", {})
         ended: Row = {
             "command": r["command"],
-            "rollbench version": r.get("version", ""),
-            "cases solved correctly": scenes[RIGHT],
-            "cases refused for a reason that is proven independently": sum(scenes[verdict] for verdict in GOOD[1:]),
-            "cases with a wrong result, or an outcome that is not proven right": sum(scenes.get(bad, 0) for bad in BAD),
-            "number of damaged input files given to the program": sum(sum(row.values()) for row in files),
-            "damaged files that were read with a wrong content": sum(row["bad"] for row in files),
-            "processes killed while writing": sum(kills.values()),
-            "killed processes that left an incomplete file": kills.get("bad", 0),
+            "rollbench_version": r.get("version", ""),
+            "solved_correctly": scenes[RIGHT],
+            "refused_proven": sum(scenes[verdict] for verdict in GOOD[1:]),
+            "bad_outcomes": sum(scenes.get(bad, 0) for bad in BAD),
+            "damaged_files": sum(sum(row.values()) for row in files),
+            "damaged_files_misread": sum(row["bad"] for row in files),
+            "killed_processes": sum(kills.values()),
+            "incomplete_after_kill": kills.get("bad", 0),
         }
-        of_kind = {heading: scenes.get(verdict, 0) for verdict, heading in BAD_HEADINGS.items()}
-        out.append(
-            ended | of_kind | {"what was wrong, and the same case today": "; ".join(map(_bad_case_in_words, r["bad"]))}
-        )
+        of_kind = {column: scenes.get(verdict, 0) for verdict, column in BAD_COLUMNS.items()}
+        out.append(ended | of_kind | {"what_was_wrong": "; ".join(map(_bad_case_in_words, r["bad"]))})
     return out
 
 

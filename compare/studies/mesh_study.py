@@ -18,7 +18,7 @@ from rollbench.compare.models.modelling import run_without_changed_choices
 from rollbench.compare.reference import estimate, jobs
 from rollbench.compare.reference.convergence import grid_convergence, pooled_grid_uncertainty
 from rollbench.compare.reference.levels import ADVISED, LEVELS, VARIANTS
-from rollbench.compare.reference.store import Run, load_stored_run, measuring_conditions, shipped_store
+from rollbench.compare.reference.store import Run, load_stored_run, shipped_store, shows_times_of
 from rollbench.compare.reference.tasks import ReferenceTask, Solvable
 from rollbench.compare.results.comparison import error_for_unconverged_reference
 from rollbench.compare.results.mesh_study import MeshLevel, MeshQuantity, MeshStudy
@@ -147,12 +147,12 @@ def load_uncertainty_up_to_run(reference: estimate.Reference, run_index: int) ->
 def mesh_accuracy_sentence(reference: estimate.Reference) -> str:
     """Return a sentence on accuracy and time of each mesh level, and on levels hardly more accurate than the next coarser.
 
-    Percentages are rounded up. Times are given if all were measured together on one machine.
+    Percentages are rounded up. Times are given if all are of this version.
     """
-    stamps = {run.measured for run in reference.runs}
+    timed = all(shows_times_of(run.measured.version) for run in reference.runs)
     steps, idle = list[tuple[str, float]](), list[int]()
     for row in mesh_levels_of_reference(reference):
-        good, time = row.enough_for or 0.0, f" ({row.seconds:.0f} s)" if len(stamps) == 1 else ""
+        good, time = row.enough_for or 0.0, f" ({row.seconds:.0f} s)" if timed else ""
         if steps and good > CLEARLY * steps[-1][1]:
             idle.append(row.level)
             continue
@@ -160,9 +160,7 @@ def mesh_accuracy_sentence(reference: estimate.Reference) -> str:
         of = "" if steps else " of the mean load"
         steps.append((f"{_rounded_up_percent_text(good)} %{of} with {level}{time}", good))
     tail = f" Hardly more accurate than the level before: level {', '.join(map(str, idle))}." if idle else ""
-    stamp = reference.best.measured
-    older = f" Times measured with {stamp}." if stamps == {stamp} != {measuring_conditions()} else ""
-    return f"Uncertainty of the contact loads from the mesh: {'; '.join(text for text, _ in steps)}.{tail}{older}"
+    return f"Uncertainty of the contact loads from the mesh: {'; '.join(text for text, _ in steps)}.{tail}"
 
 
 def _rounded_up_percent_text(percent: float) -> str:

@@ -29,7 +29,7 @@ from typing import Any, TypeVar
 
 from rollbench.compare.files import replace_file
 from rollbench.compare.models.study import SceneResultCache
-from rollbench.compare.reference.store import MeasuringConditions, measuring_conditions, shipped_store
+from rollbench.compare.reference.store import UNMEASURED, MeasuringConditions, shipped_store, shows_times_of
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.compare.studies.members.ensemble import solve_random_draws
 from rollbench.meshes.processes import VARIABLES
@@ -143,7 +143,8 @@ limit_to_one_thread()
 import json
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.processes import peak_memory_MB
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 ask = json.loads({ask!r})
 scene = catalogue.scene(ask["scene"])
 path = Path(ask["condensed"]) if ask["condensed"] else None
@@ -317,14 +318,7 @@ class StoredRunTimes:
 
     def __str__(self) -> str:
         """Return a sentence that states with which machine and program version, and when, the run times were measured."""
-        now, then = measuring_conditions(), self.measuring_conditions
-        if then.version != now.version:
-            older = f", not with the {now.version} of this report"
-        elif then.machine != now.machine:
-            older = ", not on the machine that made this report"
-        else:
-            older = "" if then.sources == now.sources else ", before the last changes to the solvers"
-        return f"Run times are of one measuring run: measured with {then}, {self.date}{older}."
+        return f"Run times are of one measuring run: rollbench {self.measuring_conditions}, {self.date}."
 
 
 @dataclass(frozen=True)
@@ -439,14 +433,16 @@ def run_times_for_report_page(cache: SceneResultCache, source: str) -> StoredRun
 
 
 def load_run_times(stores: Sequence[Path], source: str = "") -> StoredRunTimes | None:
-    """Read stored run times from the first folder with a valid file; None without one.
+    """Read stored run times of this version from the first folder with a valid file; None without one.
 
     ``stores``: the folders in the order in which they are tried; ``source``: which times are read: a publication's name,
     `TYPED` (commands typed on a terminal) or empty (all compared scenes), as in `run_times_file_name`.
     """
 
     def run_times_from_json(data: dict[str, Any]) -> StoredRunTimes:
-        """Return run times from the JSON values of their file."""
+        """Return run times from the JSON values of their file; ValueError if they are of another version."""
+        if not shows_times_of(data.get("version", "")):
+            raise ValueError(UNMEASURED)
         times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
         levels = tuple(ColdLevelTime(**r) for r in data.get("levels", []))
         measured = MeasuringConditions(data.get("version", ""), data.get("sources", ""), data["machine"])
@@ -457,10 +453,12 @@ def load_run_times(stores: Sequence[Path], source: str = "") -> StoredRunTimes |
 
 
 def load_set_up_costs(stores: Sequence[Path]) -> SetUpCosts | None:
-    """Read the processor times for setting up the 3D reference from the first folder with a valid file; None: no file."""
+    """Read the times of this version for setting up the 3D reference from the first folder with a valid file, or None."""
 
     def set_up_costs_from_json(data: dict[str, Any]) -> SetUpCosts:
-        """Return processor times of set-ups from the JSON values of their file."""
+        """Return times of set-ups from the JSON values of their file; ValueError if they are of another version."""
+        if not shows_times_of(data.get("version", "")):
+            raise ValueError(UNMEASURED)
         jobs, ways = [SetUpCost(**row) for row in data["jobs"]], [SetUpVariant(**row) for row in data["ways"]]
         return SetUpCosts(data["machine"], data["date"], jobs, ways, data.get("version", ""))
 
@@ -470,20 +468,19 @@ def load_set_up_costs(stores: Sequence[Path]) -> SetUpCosts | None:
 #: Command that writes the scene of a catalogue screw to ``my.toml``.
 NEW = "new my.toml --like 40x10"
 
-#: Commands that are timed, with the longest time that they should take in an empty home directory on two cores. Commands on
-#: ``my.toml`` are typed after `NEW`.
-COMMANDS = {
-    "list": "",
-    "solve lin-case1": "",
-    "solve lin-case1 --model lin": "",
-    "friction lin-case1": "",
-    "solve lin-random --members 1000": "",
-    "check lin-case1 --no-compute": "",
-    "solve my.toml": "1.5 s",
-    "friction my.toml --mu 0.1": "5 s to its first line",
-    "compare my.toml --levels 1": "20 s of CPU time",
-    "report": "120 s",
-}
+#: Commands that are timed. Commands on ``my.toml`` are typed after `NEW`.
+COMMANDS = (
+    "list",
+    "solve lin-case1",
+    "solve lin-case1 --model lin",
+    "friction lin-case1",
+    "solve lin-random --members 1000",
+    "check lin-case1 --no-compute",
+    "solve my.toml",
+    "friction my.toml --mu 0.1",
+    "compare my.toml --levels 1",
+    "report",
+)
 
 #: Program that keeps a processor core busy.
 BUSY = "while True: pass"

@@ -28,7 +28,8 @@ from rollbench.compare.models.comparison import (
     stored_references,
 )
 from rollbench.compare.models.loading import with_scaled_loads
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.estimate import largest_uncertainty_percent
 from rollbench.compare.reference.jobs import ComputingSettings, store_runs_and_condensed_bodies

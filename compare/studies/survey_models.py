@@ -3,9 +3,9 @@
 The contact loads of the survey's runs are stored next to its record (`store_reference_loads`), each with a digest of its
 screw. If the digest differs from that of the screw that is drawn now, the model is not judged on this screw.
 
-The stored loads are those of mesh level 1, which has errors of its own. On `COUNT` of the screws, chosen by a seed, level 2
-is solved too, so that the error of level 1 and the time of either level are known. Measured are processor times
-of one process with one thread: for a new screw from the set-up to the contact loads, and for a further load case.
+The stored loads are those of mesh level 1, which has errors of its own. On `COUNT` of the screws, chosen by a seed, all
+models and mesh levels 1 and 2 are timed; level 2 judges the others. Measured are processor times of one process with one
+thread: for a new screw from the set-up to the contact loads, and for a further load case.
 """
 
 from __future__ import annotations
@@ -30,8 +30,9 @@ from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.applicability import KNOWN_SCREWS
 from rollbench.compare.models.loads_file import load_rows_for_csv
 from rollbench.compare.models.many import solve_many
+from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.programs import model_title
-from rollbench.compare.models.registry import ModelOptions, model_by_name, run_model
+from rollbench.compare.models.registry import model_by_name, run_model
 from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent, reference_from_runs
 from rollbench.compare.reference.jobs import ComputingSettings
@@ -42,7 +43,9 @@ from rollbench.compare.running import usable_cores
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import survey
 from rollbench.compare.studies.run_times import read_from_first_valid_folder, utc_date_today
+from rollbench.lowfi.statics.contacts import clear_nominal_caches
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
+from rollbench.lowfi.statics.response import clear_compliance_caches
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.helix import ball_layout
@@ -265,9 +268,9 @@ class Survey(TabularRecord):
         return figure_of_errors_on_random_screws(self.rows) if self.judged[0] in self._errors() else None
 
     @property
-    def _shown_path(self) -> str:
-        """Key of the part of the JSON that the table shows."""
-        return "summary"
+    def shown_rows(self) -> Sequence[Mapping[str, Any]]:
+        """Rows of the table that notebooks show: those of `summary`."""
+        return self.summary
 
     @property
     def _notes(self) -> tuple[str, ...]:
@@ -453,25 +456,27 @@ def write_scene_and_reference_files(number: int, folder: Path) -> tuple[Path, Pa
     return text, loads
 
 
-#: Number of screws that are solved on both mesh levels, and these levels.
-COUNT, LEVELS = 24, (1, 2)
+#: Mesh levels of the 3D reference that are timed, by their names; the last one judges the others.
+LEVELS = {"3D level 1": 1, "3D level 2": 2}
+#: Number of screws on which models and mesh levels are timed, and names of these models and levels.
+COUNT, TIMED = 24, ("mei", "mei-nut", "source", "lin", "lin-cell", "lin-nut", "refined", *LEVELS)
 #: How the line of progress of a solved load case begins.
 SOLVED = "contact loads"
 #: Name of the file with the timed solutions.
-RUNS = "survey-levels.json"
+RUNS = "survey-times.json"
 
 
 @dataclass(frozen=True)
-class TimedLevelRun:
-    """Solution of a randomly drawn screw by the 3D reference on one mesh level, with its processor times."""
+class TimedRun:
+    """Solution of a randomly drawn screw by a model, or by the 3D reference on one mesh level, with its processor times."""
 
     #: Number of the screw.
     number: int
-    #: Mesh level.
-    level: int
+    #: Name of the model or mesh level, one of `TIMED`.
+    name: str
     #: Status of the solution, "converged" if there is one.
     status: str
-    #: Processor time of a new screw: meshes, condensation and one load case [s].
+    #: Processor time of a new screw: preparation of its geometry and one load case [s].
     seconds: float
     #: Processor time of a further load case [s].
     further_seconds: float
@@ -480,15 +485,15 @@ class TimedLevelRun:
 
 
 @dataclass(frozen=True)
-class StoredTimedLevelRuns:
-    """Timed solutions of random screws on several mesh levels, with version, machine and date of the measurement."""
+class StoredTimedRuns:
+    """Timed solutions of random screws, with version, machine and date of the measurement."""
 
     #: Program version, digest of the program's source files, and machine of the measurement.
     measuring_conditions: MeasuringConditions
     #: Date of the last timed solution.
     date: str
-    #: Timed solutions, one for each screw and mesh level.
-    runs: Sequence[TimedLevelRun]
+    #: Timed solutions, one for each screw and each model or mesh level.
+    runs: Sequence[TimedRun]
 
 
 @dataclass(frozen=True)
@@ -497,12 +502,10 @@ class LoadErrorsAndTimes:
 
     #: Name of the model or mesh level.
     name: str
-    #: Mesh level of the 3D reference against which the load errors are taken, as text; empty without a comparison.
-    reference_level: str
     #: Largest contact-load error on each screw [% of the contact's load; of the mean load for a nearly
-    #: unloaded contact]; an empty array if not known.
+    #: unloaded contact]; an empty array for the level that judges.
     gate_errors: Array
-    #: Largest contact-load error on each screw [% of the mean load]; an empty array if not known.
+    #: Largest contact-load error on each screw [% of the mean load]; an empty array for the level that judges.
     errors_of_mean_load: Array
     #: Processor time of each screw from its geometry to the contact loads of a first load case [s].
     first_case_seconds: Array
@@ -510,8 +513,8 @@ class LoadErrorsAndTimes:
     further_case_seconds: Array
 
 
-def numbers_of_screws_for_level_2() -> list[int]:
-    """Return the numbers of the random screws that are solved on mesh levels 1 and 2, in the order of their solution."""
+def numbers_of_timed_screws() -> list[int]:
+    """Return the numbers of the random screws on which models and mesh levels are timed, in the order of their solution."""
     chosen = np.random.default_rng([survey.SEED, COUNT]).choice(KNOWN_SCREWS, COUNT, replace=False)
     return [int(number) for number in chosen]
 
@@ -528,130 +531,104 @@ def load_cases_of_random_screw(number: int) -> tuple[Scene, Scene]:
     return scene, raised
 
 
-def solve_and_time_mesh_level(number: int, level: int) -> TimedLevelRun:
-    """Solve a randomly drawn screw by the 3D reference on a mesh level, and measure the processor times.
+def solve_and_time(number: int, name: str) -> TimedRun:
+    """Solve a randomly drawn screw by a model or by the 3D reference on a mesh level, and measure the processor times.
 
-    The screw is solved in this process with one thread and without cached meshes.
+    The screw is solved in this process with one thread. Meshes are not taken from a cache, and results of earlier
+    solutions in this process are forgotten, so that a time has all work on the geometry, but no imports.
 
-    ``number``: number of the screw; ``level``: mesh level. On level 1 the cells at the cut ends of the shaft are coarser,
-    as in the survey. Raises InputError if the screw cannot be meshed.
+    ``number``: number of the screw; ``name``: name of the model or mesh level. Raises InputError if the screw cannot be
+    meshed.
     """
     limit_to_one_thread()
     cases = load_cases_of_random_screw(number)
-    solved: list[float] = []
+    times: list[float] = []
+    if name in LEVELS:
 
-    def note_processor_time_of_load_case(text: str) -> None:
-        """Note the processor time when a line of progress says that a load case is solved."""
-        if text.startswith(SOLVED):
-            solved.append(process_time())
+        def note_processor_time_of_load_case(text: str) -> None:
+            """Note the processor time when a line of progress says that a load case is solved."""
+            if text.startswith(SOLVED):
+                times.append(process_time())
 
-    begin = process_time()
-    cells = survey.CUT_CELLS if level == survey.LEVEL else 1.0
-    run, _ = compute_reference_runs(ReferenceTask(cases, level, cut_end_cell_ratio=cells), note_processor_time_of_load_case)
-    new, further = solved[-2] - begin, solved[-1] - solved[-2]
-    load = [[float(f"{x:.6g}") for x in row] for row in run.load]
-    return TimedLevelRun(number, level, str(run.status), round(new, 2), round(further, 3), load)
+        # on level 1 the cells at the cut ends of the shaft are coarser, as in the survey
+        cells = survey.CUT_CELLS if LEVELS[name] == survey.LEVEL else 1.0
+        task, begin = ReferenceTask(cases, LEVELS[name], cut_end_cell_ratio=cells), process_time()
+        run, _ = compute_reference_runs(task, note_processor_time_of_load_case)
+        load, status, first, last = run.load, run.status, times[-2], times[-1]
+    else:
+        options = ModelOptions(estimate_beam_mesh_error=False)
+        run_model(cases[0], name, options)  # imports
+        clear_compliance_caches()
+        clear_nominal_caches()
+        begin = process_time()
+        result = run_model(cases[0], name, options)
+        first = process_time()
+        run_model(cases[1], name, options)
+        load, status, last = result.load, result.status, process_time()
+    rows = [[float(f"{x:.6g}") for x in row] for row in load]
+    return TimedRun(number, name, str(status), round(first - begin, 4), round(last - first, 4), rows)
 
 
-def time_mesh_levels_on_screws(
+def time_models_and_levels_on_screws(
     store: Path, show_progress: Callable[[str], None], count: int = COUNT
-) -> StoredTimedLevelRuns:
-    """Solve the first ``count`` chosen random screws on mesh levels 1 and 2 and time them, in parallel on all cores.
+) -> StoredTimedRuns:
+    """Solve the first ``count`` chosen random screws by all `TIMED` models and levels and time them, on all cores.
 
     ``store``: folder in which each solution is stored when it is done. Stored solutions of the same program sources on the
     same machine are not repeated. ``show_progress``: function that is called with each line of progress. Raises InputError
     if the file cannot be written.
     """
-    conditions, known = measuring_conditions(), load_timed_level_runs((store,))
+    conditions, known = measuring_conditions(), load_timed_runs((store,))
     runs = list(known.runs) if known is not None and known.measuring_conditions == conditions else []
-    done = {(run.number, run.level) for run in runs}
-    jobs = [(n, level) for n in numbers_of_screws_for_level_2()[:count] for level in LEVELS if (n, level) not in done]
-    found = StoredTimedLevelRuns(conditions, utc_date_today(), runs)
+    done = {(run.number, run.name) for run in runs}
+    jobs = [(n, name) for n in numbers_of_timed_screws()[:count] for name in TIMED if (n, name) not in done]
+    found = StoredTimedRuns(conditions, utc_date_today(), runs)
     engine = ComputingSettings(parallel_jobs=usable_cores())
-    for _, run in solve_many(solve_and_time_mesh_level, dict(enumerate(jobs)), engine):
+    for _, run in solve_many(solve_and_time, dict(enumerate(jobs)), engine):
         runs.append(run)
-        found = StoredTimedLevelRuns(conditions, utc_date_today(), sorted(runs, key=lambda one: (one.number, one.level)))
-        save_timed_level_runs(store, found)
-        show_progress(
-            f"[{len(runs)}/{count * len(LEVELS)}] drawn screw {run.number}, level {run.level}: {run.seconds:.0f} s"
-        )
+        found = StoredTimedRuns(conditions, utc_date_today(), sorted(runs, key=lambda x: (x.number, TIMED.index(x.name))))
+        save_timed_runs(store, found)
+        show_progress(f"[{len(runs)}/{count * len(TIMED)}] drawn screw {run.number}, {run.name}: {run.seconds:.2g} s")
     return found
 
 
-def save_timed_level_runs(folder: Path, level_runs: StoredTimedLevelRuns) -> None:
+def save_timed_runs(folder: Path, timed: StoredTimedRuns) -> None:
     """Write timed solutions of random screws to a JSON file in the folder ``folder``; InputError if that fails."""
-    head = json.dumps({**asdict(level_runs.measuring_conditions), "date": level_runs.date})
-    rows = ",\n".join(json.dumps(asdict(run), separators=(",", ":")) for run in level_runs.runs)
+    head = json.dumps({**asdict(timed.measuring_conditions), "date": timed.date})
+    rows = ",\n".join(json.dumps(asdict(run), separators=(",", ":")) for run in timed.runs)
     replace_file(folder / RUNS, f'{head[:-1]}, "runs": [\n{rows}\n]}}\n')
 
 
-def load_timed_level_runs(stores: Sequence[Path]) -> StoredTimedLevelRuns | None:
+def load_timed_runs(stores: Sequence[Path]) -> StoredTimedRuns | None:
     """Read timed solutions of random screws from the first of the folders ``stores`` with a valid file; None: no file."""
 
-    def timed_level_runs_from_json(data: dict[str, object]) -> StoredTimedLevelRuns:
+    def timed_runs_from_json(data: dict[str, object]) -> StoredTimedRuns:
         """Return timed solutions of random screws from the JSON values of the file in which they are stored."""
         measured = MeasuringConditions(str(data["version"]), str(data["sources"]), str(data["machine"]))
         rows = data["runs"]
         assert isinstance(rows, list)
-        return StoredTimedLevelRuns(measured, str(data["date"]), [TimedLevelRun(**row) for row in rows])
+        return StoredTimedRuns(measured, str(data["date"]), [TimedRun(**row) for row in rows])
 
-    return read_from_first_valid_folder(stores, RUNS, timed_level_runs_from_json)
+    return read_from_first_valid_folder(stores, RUNS, timed_runs_from_json)
 
 
-def errors_and_times_of_models(runs: Sequence[TimedLevelRun], records: Sequence[survey.Record]) -> list[LoadErrorsAndTimes]:
-    """Return load errors and processor times of the models and of mesh levels 1 and 2 on random screws.
+def errors_and_times(runs: Sequence[TimedRun]) -> list[LoadErrorsAndTimes]:
+    """Return load errors and processor times of all `TIMED` models and mesh levels, on the same random screws.
 
-    Models are compared with mesh level 1 on all random screws. Models and mesh level 1 are compared with level 2 on the
-    screws that were solved on both levels.
+    These are the screws that both mesh levels solved; a model that failed on some of them has fewer. Errors are differences
+    from the last mesh level.
 
-    Parameters
-    ----------
-    runs
-        Timed solutions of some random screws on mesh levels 1 and 2.
-    records
-        Records of the survey, with times of the models and their errors against mesh level 1.
+    ``runs``: timed solutions of random screws.
     """
-    answers = {model: [r["models"][model] for r in records if model in r.get("models", {})] for model in survey.MODELS}
-    keys = ("gate_percent", "largest_percent", *SECONDS)
+    solved = {(run.number, run.name): run for run in runs if run.status == survey.ANSWERED}
+    numbers = [n for n in sorted({run.number for run in runs}) if all((n, name) in solved for name in LEVELS)]
     found = []
-    for model, rows in answers.items():
-        values = (np.array([abs(row[key]) for row in rows if row[key] is not None]) for key in keys)
-        found.append(LoadErrorsAndTimes(model, "level 1", *values))
-    by_level = {level: {r.number: r for r in runs if r.level == level and r.status == survey.ANSWERED} for level in LEVELS}
-    coarse, fine = (by_level[level] for level in LEVELS)
-    both = sorted(coarse.keys() & fine.keys())
-    if not both:
-        return found
-    truth = [fine[number] for number in both]
-    times = {r["number"]: r["models"] for r in records if "models" in r}
-    options = ModelOptions(estimate_beam_mesh_error=False)
-    for model in survey.MODELS:
-        loads = [run_model(load_cases_of_random_screw(number)[0], model, options).load for number in both]
-        spent = (np.array([times[number][model][key] for number in both]) for key in SECONDS)
-        found.append(LoadErrorsAndTimes(model, "level 2", *_largest_load_error_of_each_screw(loads, truth), *spent))
-    runs_1 = [coarse[number] for number in both]
-    first, second = ([np.array([getattr(run, key) for run in of]) for key in SECONDS] for of in (runs_1, truth))
-    errors = _largest_load_error_of_each_screw([np.array(run.load) for run in runs_1], truth)
-    found.append(LoadErrorsAndTimes("3D level 1", "level 2", *errors, *first))
-    found.append(LoadErrorsAndTimes("3D level 2", "", np.zeros(0), np.zeros(0), *second))
+    for name in TIMED if numbers else ():
+        of_screws, errors = [solved[n, name] for n in numbers if (n, name) in solved], []
+        for run in of_screws if name != TIMED[-1] else ():
+            contacts = count_nominal_contacts(load_cases_of_random_screw(run.number)[0])
+            errors.append(load_error(np.array(run.load), np.array(solved[run.number, TIMED[-1]].load), contacts))
+        check, of_mean = (np.array([getattr(e, key) for e in errors]) for key in ("gate_percent", "max_percent"))
+        first, further = (np.array([getattr(run, key) for run in of_screws]) for key in ("seconds", "further_seconds"))
+        found.append(LoadErrorsAndTimes(name, check, of_mean, first, further))
     return found
-
-
-def _largest_load_error_of_each_screw(
-    loads: Sequence[Array], reference_runs: Sequence[TimedLevelRun]
-) -> tuple[Array, Array]:
-    """Return each screw's largest contact-load error [%]: as ``rollbench check`` judges it, then in % of the mean load.
-
-    ``rollbench check`` divides an error by the load of the contact (for nearly unloaded contacts, by the mean load).
-    ``loads``: contact loads (n, 4) [N] of each screw with n balls; ``reference_runs``: for each screw the solution that
-    counts as exact.
-    """
-    found = [
-        load_error(load, np.array(truth.load), count_nominal_contacts(load_cases_of_random_screw(truth.number)[0]))
-        for load, truth in zip(loads, reference_runs, strict=True)
-    ]
-    return np.array([e.gate_percent for e in found]), np.array([e.max_percent for e in found])
-
-
-#: Keys of a model's times in the survey's record: of a new screw, and of a further load case.
-SECONDS = ("seconds", "further_seconds")

@@ -17,8 +17,9 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.models.answers import TANGENT_OF, tangent_stiffness_at
 from rollbench.compare.models.many import solve_many
+from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.model_form import estimate_model_error
-from rollbench.compare.models.registry import ModelOptions, default_model_name
+from rollbench.compare.models.registry import default_model_name
 from rollbench.compare.models.stiffness import SceneStiffness
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.results.table import CONVERGED, QUANTITIES, Over, Table, TableRow
@@ -188,7 +189,8 @@ def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableRequest) ->
         of_set = next((s.stiffness for s in result.sets if s.of.name == request.stiffness_position), result.stiffness)
         none = "this position cannot move, or no contact there carries load"
         known = of_set is not None and np.isfinite(of_set).any()
-        tangent = TangentStiffness(0.0, np.full((6, 6), np.nan) if of_set is None else of_set, CONVERGED if known else none)
+        matrix = np.full((6, 6), np.nan) if of_set is None else of_set
+        tangent = TangentStiffness(station=0.0, matrix=matrix, status=CONVERGED if known else none)
     if tangent is not None and tangent.status != CONVERGED:
         status = f"no stiffness: {tangent.status}"
     elif tangent is not None:

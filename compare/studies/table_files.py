@@ -38,7 +38,6 @@ ROSS_DROPS = (
     "freedoms held."
 )
 #: What the axial stiffnesses are that stand in the comment beside each row.
-ROSS_TANGENTS = ("nut_tangent_N_per_um", "load_point_tangent_N_per_um")
 ROSS_POINTS = (
     "Beside each place: axial tangent in N/um of the nut or bearing, which excludes the shaft as a bearing of ROSS does, "
     "and of the load's point to ground, which contains shaft and supports; both for a change of the scene's own load."

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.errors import escape_unprintable
+from rollbench.compare.quantities import quantity_value
 from rollbench.compare.running import clear_progress_line
 
 if TYPE_CHECKING:
@@ -296,10 +297,14 @@ def _new_table(headings: Iterable[str], rows: Iterable[Iterable[str]], left_alig
     return out
 
 
-def selected_columns_table(title: str, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]]) -> Table:
+def selected_columns_table(title: str, columns: Sequence[Column], rows: Iterable[Any]) -> Table:
     """Return a table with title and rules from rows of values.
 
-    ``columns``: key of the value, heading and number format of each shown column. ``rows``: values by key.
+    ``columns``: key of the value, heading and number format of each shown column. ``rows``: values by key, or records with
+    quantities of these keys.
     """
-    texts = ([format_cell(row[name], form) for name, _, form in columns] for row in rows)
+    texts = (
+        [format_cell(row[key] if isinstance(row, Mapping) else quantity_value(row, key), form) for key, _, form in columns]
+        for row in rows
+    )
     return ruled_table(title, [heading for _, heading, _ in columns], texts)

@@ -12,16 +12,10 @@ from rollbench.compare.measure import mean_load
 from rollbench.compare.models.programs import model_title
 from rollbench.compare.models.registry import has_random_errors
 from rollbench.compare.models.set_results import SetResult
-from rollbench.compare.quantities import count_with_noun, format_by_error, quantities_of_record, record_as_json
+from rollbench.compare.quantities import count_with_noun, format_by_error, json_number, quantities_of_record, quantity_value
 from rollbench.compare.results.base import format_table_as_text
 from rollbench.compare.results.load_curve import LoadCurve
-from rollbench.compare.results.rows import (
-    bearing_and_nut_rows,
-    duty_cycle_rows,
-    expected_error_sentence,
-    nested_records,
-    quantity_value,
-)
+from rollbench.compare.results.rows import bearing_and_nut_rows, duty_cycle_rows, expected_error_sentence, nested_records
 from rollbench.compare.results.side_by_side import NUMBERS, Alternative, SideBySide
 from rollbench.compare.results.solved import CycleResult, Result
 from rollbench.compare.results.table import ERROR_OF, Table, TableRow
@@ -146,18 +140,17 @@ def load_curve_parts(curve: LoadCurve, *, details: bool = False) -> list[Any]:
     lash = f"not known: {curve.lash_words}" if curve.lash_words else size(curve.lash, 1e6, "um")
     sides = ((curve.backward, "below"), (curve.forward, "above"))
     stiff = " and ".join(f"{size(value, 1e-6, 'N/um')} {words}" for value, words in sides if value is not None)
-    rows = [record_as_json(p) for p in curve.points]
-    used = [c for c in CURVE_COLUMNS if any(row[c[0]] is not None for row in rows)]
-    if curve.converged and not any(row["status"] != "converged" for row in rows):
+    used = [c for c in CURVE_COLUMNS if any(quantity_value(point, c[0]) is not None for point in curve.points)]
+    if curve.converged and all(point.status == "converged" for point in curve.points):
         used.remove(CURVE_COLUMNS[-1])
     return [
-        f"{curve.scene}, model {model_title(curve.model)}: load along {way} at {curve.at}, {len(rows)} points",
+        f"{curve.scene}, model {model_title(curve.model)}: load along {way} at {curve.at}, {len(curve.points)} points",
         *([curve.above] if curve.above else []),
         f"lash (backlash between loads of both signs): {lash}; displacement from end to end of the curve "
         f"{size(curve.peak_to_peak, 1e6, 'um')}",
         *([f"stiffness from the ends of the lash to the ends of the curve: {stiff}"] if stiff else []),
-        "um and N/um: displacement and tangent of the nut without its shaft, and of the load's point to ground",
-        printing.selected_columns_table("", used, rows),
+        "um and N/um: displacement and tangent of the nut or bearing without its shaft, and of the load's point to ground",
+        printing.selected_columns_table("", used, curve.points),
         *(f"warning: {line}" for line in curve.warnings),
         *([f"assumed: {line}" for line in curve.assumed] if details else []),
     ]
@@ -168,11 +161,11 @@ def side_by_side_parts(side_by_side: SideBySide) -> list[Any]:
 
     The table has a column for each scene, with the difference from the first scene in per cent.
     """
-    answers, rows = [record_as_json(one) for one in side_by_side.scenes], []
+    rows = []
     for key, one in side_by_side.numbers.items():
         off = side_by_side.difference_percent(key)
         shown = ["", *("" if x is None else f"  {x:+.1f} %" for x in off[1:])]
-        cells = [number_or_range_text(a[key]) + text for a, text in zip(answers, shown, strict=True)]
+        cells = [number_or_range_text(one.value(x)) + text for x, text in zip(side_by_side.scenes, shown, strict=True)]
         rows.append([f"{one.label} [{one.unit}]" if one.unit else one.label, *cells])
     if any(one.shortest for one in side_by_side.scenes):
         rows.append(["set with the shortest life", *(one.shortest or "–" for one in side_by_side.scenes)])
@@ -290,25 +283,28 @@ def _ball_and_roller_tables(sets: Mapping[str, SetResult]) -> list[RenderableTyp
     """Return the table of all balls, with loads and angles on the loaded groove flanks, and the table of all rollers."""
     out: list[RenderableType] = []
     numbered = [*enumerate(sets.values(), 1)]
-    rows = [{"set": k} | record_as_json(row) for k, s in numbered for row in s.ball_rows()]
-    loaded = [s for s in SIDES if any((r["load_N"][s] or 0.0) > 0.0 for r in rows)]
-    place = [("set", "set", "s"), ("azimuth_deg", "azimuth deg", ".2f")]
+    balls = [(k, ball) for k, s in numbered for ball in s.ball_rows()]
+    loaded = [side for side in range(len(SIDES)) if any(ball.load[side] > 0.0 for _, ball in balls)]
     if loaded:
-        columns: list[printing.Column] = [place[0], ("index", "ball", "s"), place[1]]
-        for side in loaded:
-            columns += [(f"{side} N", f"{side} N", ".3f"), (f"{side} deg", "angle deg", ".3f")]
-        flat = [
-            r | {f"{s} N": r["load_N"][s] for s in loaded} | {f"{s} deg": r["contact_angle_deg"][s] for s in loaded}
-            for r in rows
+        headings = ["set", "ball", "azimuth deg", *(x for side in loaded for x in (f"{SIDES[side]} N", "angle deg"))]
+        rows = []
+        for k, ball in balls:
+            cells = [str(k), str(ball.index), f"{math.degrees(ball.azimuth):.2f}"]
+            for side in loaded:
+                cells += [f"{ball.load[side]:.3f}", printing.format_cell(json_number(np.degrees(ball.angle[side])), ".3f")]
+            rows.append(cells)
+        out.append(printing.ruled_table("balls", headings, rows))
+    rollers = [(k, roller) for k, s in numbered for roller in s.roller_rows()]
+    if rollers:
+        headings = ["set", "roller", "azimuth deg", "load N", "largest N/mm", *(f"{race} MPa" for race in RACES)]
+        rows = [
+            [
+                *(str(k), str(roller.index), f"{math.degrees(roller.azimuth):.2f}", f"{roller.load:.3f}"),
+                *(f"{1e-3 * roller.line_load:.3f}", *(f"{1e-6 * roller.pressure[race]:.0f}" for race in RACES)),
+            ]
+            for k, roller in rollers
         ]
-        out.append(printing.selected_columns_table("balls", columns, flat))
-    found = [{"set": k} | record_as_json(row) for k, s in numbered for row in s.roller_rows()]
-    if found:
-        names = (place[0], ("index", "roller", "s"), place[1])
-        loads = (("load_N", "load N", ".3f"), ("largest_line_load_N_mm", "largest N/mm", ".3f"))
-        races = [(f"{race} MPa", f"{race} MPa", ".0f") for race in RACES]
-        flat = [r | {f"{race} MPa": r["pressure_MPa"][race] for race in RACES} for r in found]
-        out.append(printing.selected_columns_table("rollers", (*names, *loads, *races), flat))
+        out.append(printing.ruled_table("rollers", headings, rows))
     return out
 
 

@@ -45,7 +45,8 @@ if TYPE_CHECKING:
     from rollbench.compare.models.user_models import ModelAnswer
     from rollbench.compare.report.report import report
     from rollbench.compare.results.comparison import Comparison
-    from rollbench.compare.results.data import Ensemble, Friction
+    from rollbench.compare.results.data import Ensemble
+    from rollbench.compare.results.friction import Friction
     from rollbench.compare.results.load_curve import LoadCurve
     from rollbench.compare.results.mesh_study import MeshStudy
     from rollbench.compare.results.side_by_side import SideBySide
@@ -102,7 +103,8 @@ _ELSEWHERE = {
     "SideBySide": "rollbench.compare.results.side_by_side",
     "report": "rollbench.compare.report.report",
     "__version__": "rollbench.compare",
-    **dict.fromkeys(("Ensemble", "Friction"), "rollbench.compare.results.data"),
+    "Ensemble": "rollbench.compare.results.data",
+    "Friction": "rollbench.compare.results.friction",
     "MeshStudy": "rollbench.compare.results.mesh_study",
     "Survey": "rollbench.compare.studies.survey_models",
     "Sweep": "rollbench.compare.studies.sweep.run",

@@ -18,7 +18,8 @@ import numpy as np
 from rollbench.compare import files
 from rollbench.compare.evidence import ComputedEntryValues
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import load_printed_table, printed_entry
 from rollbench.compare.scenes import catalogue, scene_file
@@ -323,7 +324,7 @@ def equivalent_force_of_duty_cycle(case: str) -> float:
     given = external_inputs()[case]
     turned = np.array(given["speeds"], dtype=float) * np.array(given["time"], dtype=float)
     forces = np.array(given["forces"], dtype=float)
-    return float(given.get("factor", 1.0)) * life.cubic_mean_force(turned / turned.sum(), forces)
+    return float(given.get("factor", 1.0)) * life.mean_force(turned / turned.sum(), forces)
 
 
 def equivalent_loads(findings: ComputedEntryValues, cache: SceneResultCache) -> None:

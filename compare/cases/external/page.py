@@ -20,9 +20,10 @@ from rollbench.compare.cases.external.evidence import PREFIX, assumptions_by_ext
 from rollbench.compare.evidence import PrintedEntryComparison, computations_with_function, evidence
 from rollbench.compare.measure import error_percent, load_error, mean_load
 from rollbench.compare.models.loading import solve_with_scaled_loads
+from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.model_form import FLANGE, estimate_model_error, model_errors_on_random_screws
 from rollbench.compare.models.modelling import UNSEEN
-from rollbench.compare.models.registry import DEFAULT, ModelOptions
+from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_entry
 from rollbench.compare.reference.estimate import (
@@ -39,7 +40,7 @@ from rollbench.lowfi.rating.rigidity import axial_force, screw_displacement_at_n
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Flange, NutHeld, Scene
-from rollbench.reports.content import Cell, Figure, Panel, Section, Series, Table, TableColumn, Text
+from rollbench.reports.content import Cell, Figure, Panel, Row, Section, Series, Table, Text
 
 #: Titles of the tables, by name of the printed table.
 TITLES = {
@@ -96,18 +97,14 @@ def assumptions_table(cache: SceneResultCache) -> Table:
 
     ``cache``: lists the scenes used so far; the table has a row for each assumption of these scenes.
     """
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for name, thing in cache.used_scenes.items():
         if name.startswith(PREFIX) and isinstance(thing, Scene | Assembly):
-            rows += [{"case": name, "assumed": text} for text in thing.assumed]
+            rows += [{"example": name, "assumed_input": text} for text in thing.assumed]
     for name, texts in assumptions_by_external_case().items():
-        rows += [{"case": PREFIX + name, "assumed": text} for text in texts]
-    columns = (
-        TableColumn("case", "name of the example or of its scene", "", "s"),
-        TableColumn("assumed", "input that the publication does not print, and value assumed for it", "", "s"),
-    )
+        rows += [{"example": PREFIX + name, "assumed_input": text} for text in texts]
     title = "Inputs that the publications do not print, and what is assumed for them"
-    return Table("external-assumed", title, columns, rows)
+    return Table.from_rows("external-assumed", title, rows)
 
 
 def agreement_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
@@ -123,7 +120,7 @@ def agreement_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
     points = [(float(k), error) for k, percents in enumerate(errors.values(), start=1) for error in percents]
     series = (Series("error", [x for x, _ in points], [y for _, y in points], "markers"),)
     title = "error of the computed value against the published one"
-    panel = Panel(title, "", "error / %", series, abscissa_names=list(errors))
+    panel = Panel(title, "", "error_percent", series, abscissa_names=list(errors))
     caption = (
         "Only published numbers that follow from the theory used here, or that are judged within a tolerance; the tables "
         "show all."
@@ -148,7 +145,13 @@ def computed_and_printed_nut_rigidities(cache: SceneResultCache) -> list[tuple[s
         solved = external.nut_rigidity_with_unequal_loads(cache, name, DEFAULT)
         printed = printed_entry("external-thk", f"rigidity_{size}").value
         unequal = 1e-6 * solved if solved else None
-        stages = {"contacts": 1e-6 * alone, "bodies": 1e-6 * bodies, "unequal": unequal, "printed": printed}
+        stages = {
+            "rigidity_of_contacts": 1e-6 * alone,
+            "rigidity_of_bodies": 1e-6 * bodies,
+            "rigidity_of_unequal_loads": unequal,
+            "rigidity_reference": None,
+            "rigidity_catalogue": printed,
+        }
         out.append((name, force, stages))
     return out
 
@@ -188,11 +191,11 @@ def nut_rigidity_row(cache: SceneResultCache, name: str) -> dict[str, Cell] | No
         return None
     return {
         "scene": name,
-        "load": 1e-3 * abs(force),
-        "contacts": 1e-6 * stages.contacts_only,
-        "bodies": 1e-6 * stages.with_bodies,
-        "unequal": 1e-6 * stages.with_unequal_loads,
-        "reference": 1e-6 * force / screw_displacement_at_nut_in_3d(scene, found),
+        "axial_load_kN": 1e-3 * abs(force),
+        "rigidity_of_contacts": 1e-6 * stages.contacts_only,
+        "rigidity_of_bodies": 1e-6 * stages.with_bodies,
+        "rigidity_of_unequal_loads": 1e-6 * stages.with_unequal_loads,
+        "rigidity_reference": 1e-6 * force / screw_displacement_at_nut_in_3d(scene, found),
     }
 
 
@@ -208,30 +211,13 @@ def nut_rigidities_table(
     """
     rows: list[dict[str, Cell]] = []
     for name, force, stages in catalogue:
-        row: dict[str, Cell] = {"scene": name, "load": 1e-3 * force, **stages, "reference": None}
-        for key in ("contacts", "bodies", "unequal"):
-            value, printed = stages[key], stages["printed"]
-            if value and printed:
-                row[f"share_{key}"] = 1.0 + float(error_percent(printed, value)) / 100.0
+        row: dict[str, Cell] = {"scene": name, "axial_load_kN": 1e-3 * force, **stages}
+        for key in ("contacts", "bodies", "unequal_loads"):
+            value, printed = stages[f"rigidity_of_{key}"], stages["rigidity_catalogue"]
+            share = 1.0 + float(error_percent(printed, value)) / 100.0 if value and printed else None
+            row[f"catalogue_share_of_{key}"] = share
         rows.append(row)
     rows += [row for row in (nut_rigidity_row(cache, name) for name in referenced_scenes) if row is not None]
-    columns = (
-        TableColumn("scene", "scene", "", "s"),
-        TableColumn("load", "axial load", "kN", "g3"),
-        TableColumn("contacts", "computed rigidity, only Hertz contacts elastic", "N/um", "g4"),
-        TableColumn("bodies", "computed rigidity, contacts, nut and screw elastic", "N/um", "g4"),
-        TableColumn("unequal", "computed rigidity, contacts, nut and screw elastic, unequal contact loads", "N/um", "g4"),
-        TableColumn("reference", "rigidity by the 3D reference", "N/um", "g4"),
-        TableColumn("printed", "rigidity in the catalogue", "N/um", "g4"),
-        TableColumn("share_contacts", "catalogue rigidity divided by that with only Hertz contacts elastic", "", ".3f"),
-        TableColumn("share_bodies", "catalogue rigidity divided by that with contacts, nut and screw elastic", "", ".3f"),
-        TableColumn(
-            "share_unequal",
-            "catalogue rigidity divided by that with elastic nut and screw and unequal contact loads",
-            "",
-            ".3f",
-        ),
-    )
     note = (
         "Axial load over axial displacement. Contacts alone: equally loaded balls between rigid bodies; contacts and "
         "bodies: nut and screw deform radially as thick tubes, too; unequal contact loads: by the default model, at the "
@@ -240,7 +226,7 @@ def nut_rigidities_table(
         "loads are left out."
     )
     title = "Axial rigidity of ball nuts: computed with more and more effects, by the 3D reference, and in catalogues"
-    return Table("external-rigidities", title, columns, rows, note)
+    return Table.from_rows("external-rigidities", title, rows, note)
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
@@ -285,24 +271,6 @@ BOLTS = 6
 WHOLE, BOLTED = "flange, whole face", f"flange, {BOLTS} bolts"
 #: Length of the centring fit, divided by the length of the nut between flange and free end.
 FIT = 0.5
-#: Columns of the table of nuts fixed at different surfaces.
-FIXATION_COLUMNS = (
-    TableColumn("scene", "scene", "", "s"),
-    TableColumn("by", "model or 3D mesh level", "", "s"),
-    TableColumn("held", "surface at which the nut is fixed", "", "s"),
-    TableColumn("largest", "largest contact load", "N", "g4"),
-    TableColumn(
-        "load_change", "change of the largest contact load from that with the nut fixed at its left face", "%", "+.2f"
-    ),
-    TableColumn("expected", "expected error of the contact loads", "% of mean load", ".2f"),
-    TableColumn("off", f"largest contact-load error against {THREE}", "% of mean load", ".2f"),
-    TableColumn("mesh", f"uncertainty of the contact loads in {THREE} by the mesh", "% of mean load", ".2f"),
-    TableColumn("life", "rating life L10", "10^6 rev", "g4"),
-    TableColumn("life_change", "change of the life from that with the nut fixed at its left face", "%", "+.2f"),
-    TableColumn("rigidity", "axial rigidity", "N/um", "g4"),
-    TableColumn("rigidity_change", "change of the rigidity from that with the nut fixed at its left face", "%", "+.2f"),
-    TableColumn("share", "catalogue rigidity divided by computed rigidity", "", ".3f"),
-)
 
 
 def scenes_by_nut_fixation(scene: Scene) -> dict[str, Scene]:
@@ -429,17 +397,22 @@ def fixation_table_rows(cache: SceneResultCache, size: str) -> list[dict[str, Ce
         start = first.setdefault(by, values)
         changes = [float(error_percent(value, old)) for value, old in zip(values, start, strict=True)]
         model = by == DEFAULT
+        error = load_error(load, loads[way][max(loads[way])]).max_percent if model and loads[way] else None
         rows.append(
             {
                 "scene": name,
-                "by": by,
-                "held": way,
-                **dict(zip(("largest", "life", "rigidity"), values, strict=True)),
-                **dict(zip(("load_change", "life_change", "rigidity_change"), changes, strict=True)),
-                "expected": estimate_model_error(held[way], found[way]).loads if model else None,
-                "off": load_error(load, loads[way][max(loads[way])]).max_percent if model and loads[way] else None,
-                "mesh": mesh,
-                "share": None if printed is None else 1.0 + float(error_percent(printed, values[2])) / 100.0,
+                "model_or_level": by,
+                "fixed_surface": way,
+                "largest_load_g4": values[0],
+                "load_change": changes[0],
+                "expected_load_error": estimate_model_error(held[way], found[way]).loads if model else None,
+                "largest_load_error": error,
+                "mesh_uncertainty": mesh,
+                "life": values[1],
+                "life_change": changes[1],
+                "axial_rigidity": values[2],
+                "rigidity_change": changes[2],
+                "catalogue_share": None if printed is None else 1.0 + float(error_percent(printed, values[2])) / 100.0,
             }
         )
     return rows
@@ -473,17 +446,17 @@ def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
 
     ``rows``: table rows of all catalogue sizes, fixations and models, from `fixation_table_rows`.
     """
-    bars = [float(row["mesh"] or 0.0) for row in rows if row["mesh"] is not None]
+    bars = [float(row["mesh_uncertainty"] or 0.0) for row in rows if row["mesh_uncertainty"] is not None]
     if not bars:
         return f"Nothing was solved in {THREE}."
-    of = {(row["scene"], row["by"], row["held"]): row for row in rows}
+    of = {(row["scene"], row["model_or_level"], row["fixed_surface"]): row for row in rows}
     moved: dict[str, list[float]] = {}
     for (scene, by, held), row in of.items():
         coarse = of.get((scene, f"{THREE}, level 1", held))
-        if coarse is not None and by not in (DEFAULT, coarse["by"]):
+        if coarse is not None and by not in (DEFAULT, coarse["model_or_level"]):
             for column in ("load_change", "life_change", "rigidity_change"):
                 moved.setdefault(column, []).append(abs(float(row[column] or 0.0) - float(coarse[column] or 0.0)))
-            change = error_percent(float(row["rigidity"] or 0.0), float(coarse["rigidity"] or 1.0))
+            change = error_percent(float(row["axial_rigidity"] or 0.0), float(coarse["axial_rigidity"] or 1.0))
             moved.setdefault("rigidity", []).append(abs(float(change)))
     sentence = f"The meshes leave {min(bars):.2f} to {max(bars):.2f} % of the mean load uncertain (95 %)."
     if not moved:
@@ -502,7 +475,11 @@ def column_range_in_words(rows: list[dict[str, Cell]], column: str, fixation: st
     ``rows``: table rows from `fixation_table_rows`; ``column``: key of the column; ``fixation``: only fixations whose name
     begins with this text count, all if it is empty; ``form``: format of the numbers.
     """
-    values = [float(row[column] or 0.0) for row in rows if row["by"] == DEFAULT and str(row["held"]).startswith(fixation)]
+    values = [
+        float(row[column] or 0.0)
+        for row in rows
+        if row["model_or_level"] == DEFAULT and str(row["fixed_surface"]).startswith(fixation)
+    ]
     return f"{min(values):{form}} to {max(values):{form}}"
 
 
@@ -529,9 +506,14 @@ def fixation_section(cache: SceneResultCache, step: Callable[[str], None]) -> Se
     step("nuts fixed at different surfaces")
     rows = [row for size in SIZES for row in fixation_table_rows(cache, size)]
     shares = {
-        held: column_range_in_words(rows, "share", held, ".2f") for held in ("left", "flange, whole", "flange, outer")
+        held: column_range_in_words(rows, "catalogue_share", held, ".2f")
+        for held in ("left", "flange, whole", "flange, outer")
     }
-    bent = [float(x["share"] or 0.0) for x in rows if x["by"] == DEFAULT and str(x["held"]).startswith("flange, outer")]
+    bent = [
+        float(x["catalogue_share"] or 0.0)
+        for x in rows
+        if x["model_or_level"] == DEFAULT and str(x["fixed_surface"]).startswith("flange, outer")
+    ]
     conclusion = (
         "Fixing the nut at another surface than its left face changes the largest contact load by "
         f"{column_range_in_words(rows, 'load_change')} %, the rating life by {column_range_in_words(rows, 'life_change')} "
@@ -552,6 +534,6 @@ def fixation_section(cache: SceneResultCache, step: Callable[[str], None]) -> Se
         "screw's section at the nut's centre. Changes against the left face: of the same model, or in 3D."
     )
     title = "Catalogue screws: largest contact load, life and axial rigidity, for each surface at which the nut is fixed"
-    table = Table("nut-holding", title, FIXATION_COLUMNS, rows, note)
+    table = Table.from_rows("nut-holding", title, rows, note)
     title = "Effect of the nut's fixation on contact loads, life and rigidity"
     return Section("holding", title, (Text(text), table), conclusion=conclusion)

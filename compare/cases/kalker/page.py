@@ -14,7 +14,7 @@ from rollbench.compare.cases.kalker.evidence import AS_RUNS, BY_GRID, RESOLVED, 
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.levels import FINITE
-from rollbench.compare.reference.store import most_frequent_measuring_conditions, shipped_store
+from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.running import gmsh_fault
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as shipped_case
 from rollbench.compare.scenes.duty_cycle import FrictionScene
@@ -46,20 +46,16 @@ from rollbench.compare.studies.rolling.runs import (
 from rollbench.hifi.rolling.balls import ContactFriction, RollingSettings, hertz_semi_axes, solve_rolling
 from rollbench.hifi.rolling.kinematics import RollingBalls, rolling_speed
 from rollbench.meshes.arrays import Array
-from rollbench.reports.content import Figure, Panel, PressureMap, PressurePanel, Row, Section, Table, TableColumn, Text
+from rollbench.reports.content import Figure, Panel, PressureMap, PressurePanel, Row, Section, Table, Text
 from rollbench.reports.content import Series as Curve
 
-#: Headings and units of the stored results of two touching balls, by name of the result.
+#: Columns of the stored results of two touching balls, by name of the result.
 NAMED = {
-    "force 1-2 N": ("ball-to-ball force", "N"),
-    "loss apart mW": ("friction loss without ball-to-ball contact", "mW"),
-    "loss touching mW": ("friction loss with ball-to-ball contact", "mW"),
-    "increase %": ("increase of the friction loss by ball-to-ball contact", "%"),
+    "force 1-2 N": "ball_force",
+    "loss apart mW": "loss_apart",
+    "loss touching mW": "loss_touching",
+    "increase %": "loss_increase",
 }
-SIZES = (
-    TableColumn("choice", "size and mesh of the bodies", "", "s"),
-    *(TableColumn(name, *NAMED[name], "g6") for name in NAMES),
-)
 #: Contacts whose slip and traction are drawn: scene, number of the ball, name of the contact.
 SHOWN = (("lin-pair-a", 0, "BL"), ("lin-pair-a", 0, "TR"), ("lin-rotary-1", 0, "IL"), ("lin-rotary-1", 0, "OR"))
 #: Numbers of cells along and across the drawn contacts.
@@ -186,7 +182,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
             "Runs from rest are compared with steady rolling on the same grid.",
         ),
     ]
-    times = _error_over_time_figure(stores)
+    times = _error_over_cells_figure(stores)
     if times is not None:
         items.append(times)
     return Section(
@@ -238,11 +234,10 @@ def _finite_body_results(
             "Uncertainty: scatter of three grids, and largest change of a force or loss over the sizes and meshes in the "
             "next table." + (f" No stored runs: {', '.join(missing)}." if missing else ""),
         ),
-        Table(
+        Table.from_rows(
             "rolling-body-sizes",
             "Two touching balls in 3D: results for several sizes and meshes of the bodies of finite size",
-            SIZES,
-            [{"choice": v.choice, **v.values} for v in sizes.variants],
+            [{"body_sizes": v.choice} | {NAMED[name]: v.values[name] for name in NAMES} for v in sizes.variants],
             f"The grid of the contacts is the same in all rows. {sizes.origin_sentence}",
         ),
     ]
@@ -262,12 +257,12 @@ def _finite_body_row(row: RollingComparisonRow) -> Row:
         "scene": row.scene,
         "quantity": row.quantity,
         "unit": row.unit,
-        TableColumn("rigid", "value by the 3D model without tangential deformation", "", "g5"): row.rigid,
-        TableColumn("half", "value by the 3D model with elastic half spaces", "", "g5"): row.half_space,
-        TableColumn("finite", "value by the 3D model with bodies of finite size", "", "g5"): row.reference,
-        TableColumn("uncertainty", "uncertainty of the value for bodies of finite size", "", "g2"): uncertainty,
-        TableColumn("change", "change from half spaces to bodies of finite size", "%", ".3f"): change,
-        TableColumn("error", "error of the low-order model against bodies of finite size", "%", ".2f"): row.error_percent,
+        "value_rigid": row.rigid,
+        "value_half_spaces": row.half_space,
+        "value_finite": row.reference,
+        "uncertainty_finite": uncertainty,
+        "change_by_finite_bodies": change,
+        "low_order_error_against_finite": row.error_percent,
     }
 
 
@@ -286,7 +281,8 @@ def _slip_and_traction_maps(patches: Sequence[SlipAndTractionField]) -> list[Tex
         ``note``: text below the drawing; ``marked``: whether sticking cells are marked.
         """
         size = np.linalg.norm(what, axis=1)
-        unit = what / np.maximum(size, 1e-300)[:, None]
+        has_direction = size > 1e-9 * size.max(initial=0.0)  # else it is that of round-off
+        unit = np.where(has_direction[:, None], what / np.maximum(size, 1e-300)[:, None], 0.0)
         x, y = (1e6 * p.cell_centres).T
         ellipse = (0.0, 0.0, 1e6 * p.semi_axes[0], 1e6 * p.semi_axes[1])
         arrows = (unit[:, 0].tolist(), unit[:, 1].tolist())
@@ -388,15 +384,15 @@ def _verification_row(verification: Verification) -> Row:
     """Return the table row of a verification: values on three grids, exact value, error, order of convergence."""
     v = verification
     reached = "reached" if v.within_permitted_error else "not reached"
-    row: Row = {TableColumn("case", "contact problem", "", "s"): v.contact_problem, "quantity": v.quantity}
+    row: Row = {"contact_problem": v.contact_problem, "quantity": v.quantity}
     for grid, value in zip(("coarse", "middle", "fine"), v.values_by_grid, strict=True):
-        row[TableColumn(grid, f"value on the {grid} grid", "", "g5")] = value
+        row["value_on_grid", grid] = value
     return row | {
-        TableColumn("exact", "exact or printed value", "", "g5"): v.exact_value,
-        TableColumn("error", "error against the exact or printed value", "%", ".2f"): v.relative_error_percent,
-        TableColumn("order", "order of convergence over the grids", "", ".1f"): v.convergence_order,
-        TableColumn("reach", "permitted error", "%", "g3"): v.permitted_error_percent,
-        TableColumn("verdict", "whether the exact value is reached within the permitted error", "", "s"): reached,
+        "exact_value": v.exact_value,
+        "error_against_exact": v.relative_error_percent,
+        "order_f1": v.convergence_order,
+        "permitted_error": v.permitted_error_percent,
+        "exact_reached": reached,
     }
 
 
@@ -406,21 +402,19 @@ def _low_order_against_3d_row(row: RollingComparisonRow) -> Row:
     verdict = f"{'within' if low_order_error_is_within_limit(row) else 'beyond'} {LIMIT:g} %"
     return {
         "scene": row.scene,
-        TableColumn(
-            "state", "assumption by which contact loads that Lin does not print are computed", "", "s"
-        ): row.load_state,
+        "load_assumption": row.load_state,
         "quantity": row.quantity,
         "unit": row.unit,
-        TableColumn("low", "value by the low-order model", "", "g5"): row.low,
-        TableColumn("reference", "value by the 3D model", "", "g5"): row.reference,
-        TableColumn("uncertainty", "uncertainty of the 3D value", "", "g2"): uncertainty,
-        TableColumn("error", "error of the low-order model against 3D", "%", ".2f"): row.error_percent,
-        TableColumn("share", "uncertainty of the 3D value, divided by this value", "%", ".2f"): row.uncertainty_percent,
-        TableColumn("printed", "low-order value that Lin prints", "", "g4"): row.printed,
-        TableColumn("ansys", "ANSYS value that Lin prints", "", "g4"): row.printed_ansys,
-        TableColumn("flat", "value by the 3D model with plane instead of curved contact areas", "", "g5"): row.flat,
-        TableColumn("rigid", "value by the 3D model without tangential deformation", "", "g5"): row.rigid,
-        TableColumn("verdict", f"whether the low-order model's error is within {LIMIT:g} %", "", "s"): verdict,
+        ("value_low_order", "5"): row.low,
+        "value_3d": row.reference,
+        "uncertainty_3d": uncertainty,
+        "low_order_error": row.error_percent,
+        "uncertainty_3d_share": row.uncertainty_percent,
+        "lin_low_order": row.printed,
+        "lin_ansys": row.printed_ansys,
+        "value_flat": row.flat,
+        "value_rigid": row.rigid,
+        ("low_order_within", f"{LIMIT:g}"): verdict,
     }
 
 
@@ -438,37 +432,27 @@ def _grid_dependence_rows(stores: Sequence[Path]) -> list[Row]:
     """Return a table row for each stored result of the 3D rolling model, to show the influence of the grid of cells.
 
     Columns: scene, grid, force or torque, change of this value by elasticity, numerical loss of power (by the upwind finite
-    differences) divided by the input power, number of sticking cells, processor time. ``stores``: folders of the results.
+    differences) divided by the input power, number of sticking cells. ``stores``: folders of the results.
     """
     out: list[Row] = []
     every = [(name, run) for name in (*PAIRS, *RINGS) for run in _stored_rolling_runs(name, stores)]
-    common = most_frequent_measuring_conditions(run.measured for _, run in every)
     for name, run in every:
         key = next(k for k in run.elastic if k.startswith(("force", "torque")))
         level, state = (
             "source's size" if run.level == SOURCE_LEVEL else str(run.level),
             interpretation_of_contact_loads(name),
         )
-        by_elasticity = "force or torque with elastic bodies minus that with nearly rigid ones"
-        lost = "numerical power loss by the finite differences, divided by the input power"
         out.append(
             {
                 "scene": name,
-                TableColumn(
-                    "state", "assumption by which contact loads that Lin does not print are computed", "", "s"
-                ): state,
-                TableColumn("level", "grid level", "", "s"): level,
-                TableColumn(
-                    "cells", "number of cells along and across the rolling direction", "", "s"
-                ): f"{run.shape[0]} x {run.shape[1]}",
-                TableColumn("value", "force or torque, corrected for the error by the grid", "", "g5"): run.values[key],
-                TableColumn("alone", "force or torque, not corrected for the error by the grid", "", "g5"): run.elastic[
-                    key
-                ],
-                TableColumn("elasticity", by_elasticity, "", "g3"): run.elastic[key] - run.near_rigid[key],
-                TableColumn("lost", lost, "%", ".3f"): 100.0 * run.upwind,
-                TableColumn("stick", "number of cells in which the surfaces stick", "", "d"): run.sticking,
-                TableColumn("seconds", "processor time", "s", "g3"): run.seconds if run.measured == common else None,
+                "load_assumption": state,
+                "grid_level": level,
+                "cell_counts": f"{run.shape[0]} x {run.shape[1]}",
+                "grid_corrected_value": run.values[key],
+                "uncorrected_value": run.elastic[key],
+                "change_by_elasticity": run.elastic[key] - run.near_rigid[key],
+                "numerical_power_loss": 100.0 * run.upwind,
+                "sticking_cells": run.sticking,
             }
         )
     return out
@@ -479,12 +463,11 @@ def _from_rest_row(run: RunFromRest) -> Row:
     meet = next((t for t, f in zip(run.time, run.force, strict=True) if f > 0.0), None)
     error = float(error_percent(run.force[-1], run.steady_force))
     return {
-        TableColumn("steps", "number of time steps", "", "d"): run.steps,
-        TableColumn("force", "ball-to-ball force at the end", "N", "g5"): run.force[-1],
-        TableColumn("steady", "ball-to-ball force in steady rolling", "N", "g5"): run.steady_force,
-        TableColumn("error", "error of the final force against steady rolling", "%", ".2f"): error,
-        TableColumn("meet", "time at which the balls meet", "ms", ".1f"): None if meet is None else 1e3 * meet,
-        TableColumn("seconds", "processor time", "s", "g3"): run.seconds,
+        "time_steps": run.steps,
+        "final_ball_force": run.force[-1],
+        "steady_ball_force": run.steady_force,
+        "error_against_steady": error,
+        "meeting_time": None if meet is None else 1e3 * meet,
     }
 
 
@@ -493,13 +476,11 @@ def _numerical_choice_row(effect: ChoiceEffect) -> Row:
     verdict = "within" if effect.is_within_uncertainty else "beyond"
     return {
         "scene": effect.scene,
-        TableColumn("choice", "numerical setting that is varied", "", "s"): effect.choice,
-        TableColumn("tried", "values of the setting", "", "s"): effect.tried_variants,
-        TableColumn("change", "largest change of the ball-to-ball force by the setting", "%", "g2"): effect.change,
-        TableColumn(
-            "uncertainty", "uncertainty of the ball-to-ball force that the 3D model states", "%", "g2"
-        ): effect.uncertainty,
-        TableColumn("verdict", "whether the change is within this uncertainty", "", "s"): verdict,
+        "numerical_setting": effect.choice,
+        "setting_values": effect.tried_variants,
+        "largest_force_change": effect.change,
+        "stated_force_uncertainty": effect.uncertainty,
+        "change_within_uncertainty": verdict,
     }
 
 
@@ -523,29 +504,21 @@ def _from_rest_figure(series: Sequence[RunFromRest]) -> Figure:
     )
 
 
-def _error_over_time_figure(stores: Sequence[Path]) -> Figure | None:
-    """Draw, over processor time, the difference of the ball-to-ball force in 3D on each grid from the force on the finest.
+def _error_over_cells_figure(stores: Sequence[Path]) -> Figure | None:
+    """Draw, over the number of cells, the difference of the ball-to-ball force in 3D on each grid from that on the finest.
 
     Returns None if no scene has stored 3D results on every grid. ``stores``: folders of the results.
     """
     curves = []
-    found = {name: [r for r in _stored_rolling_runs(name, stores) if r.level != SOURCE_LEVEL] for name in PAIRS}
-    common = most_frequent_measuring_conditions(r.measured for runs in found.values() for r in runs)
-    for name, every in found.items():
-        runs = [r for r in every if r.measured == common]
+    for name in PAIRS:
+        runs = [r for r in _stored_rolling_runs(name, stores) if r.level != SOURCE_LEVEL]
         if len(runs) < len(LEVELS) or not runs[-1].values["force 1-2 N"] > 0.0:
             continue
         top = runs[-1].values["force 1-2 N"]
         errors = [max(abs(float(error_percent(r.values["force 1-2 N"], top))), 1e-3) for r in runs[:-1]]
-        curves.append(Curve(name, [r.seconds for r in runs[:-1]], errors))
+        curves.append(Curve(name, [float(r.shape[0] * r.shape[1]) for r in runs[:-1]], errors))
     if not curves:
         return None
-    panel = Panel("ball-to-ball force", "processor time [s]", "difference from the finest grid [%]", curves, log_axes="xy")
-    return Figure(
-        "rolling-times",
-        "3D model of rolling contact: error of the ball-to-ball force, plotted against processor time",
-        [panel],
-        f"Processor times were measured with rollbench {common}."
-        if common is not None and common.version
-        else "The version of rollbench with which the processor times were measured is not known.",
-    )
+    panel = Panel("ball-to-ball force", "cells of the grid", "difference from the finest grid [%]", curves, log_axes="xy")
+    title = "3D model of rolling contact: error of the ball-to-ball force, plotted against the number of cells"
+    return Figure("rolling-cells", title, [panel])

@@ -10,14 +10,14 @@ for several balls, Lin's method is that in ``lowfi.as_source.screw``.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import product
 from math import radians
 from typing import Any
 
 import numpy as np
 
-from rollbench.compare.cases.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL, solve_rotary_ball
+from rollbench.compare.cases.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL
 from rollbench.compare.cases.lin.evidence.source_cases import (
     four_point_bearing,
     oversized_pair,
@@ -41,12 +41,11 @@ from rollbench.lowfi.friction.contact.equilibrium import (
 from rollbench.lowfi.friction.contact.laws import SigmoidLaw
 from rollbench.lowfi.friction.linear import chain as linear_chain
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, contact_angle_deviations, loads_in_equilibrium
-from rollbench.lowfi.friction.screw.chain import ChainMotion, solve_motion_of_chain
-from rollbench.lowfi.friction.screw.chain import ScrewBallChain as ScrewChain
-from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw, lin_sigmoid_law
+from rollbench.lowfi.friction.screw.chain import ChainMotion, ScrewBallChain, screw_ball_chain, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw
 from rollbench.lowfi.friction.screw.run import Pair, solve_pair_of_screw_balls
 from rollbench.meshes.arrays import Array
-from rollbench.reports.content import Cell, Row, Table, TableColumn, Text
+from rollbench.reports.content import Cell, ColumnKey, Table, Text
 
 #: Values of k_S, the sharpness of Lin's sigmoid friction law; 100 in cases that vary another input.
 SHARPNESSES = (100.0, 1e3, 1e4)
@@ -81,53 +80,38 @@ UNLOADED = 0.25
 OTHER = 1e-3
 
 
-@dataclass(frozen=True)
-class GroupResult:
-    """Results of one group of extreme cases of the friction models, each case solved from several starting points."""
+@dataclass
+class ExtremeGroup:
+    """Running counts and largest errors of the solutions of one group of extreme cases; each solution updates them."""
 
     #: Inputs that are varied in the group, in words.
     group: str
     #: Name of the friction model with the kind of bearing or screw, such as "screw pair".
     model: str
-    #: Number of cases in the group.
-    cases: int
-    #: Number of solution runs by this package's solvers that converged.
-    ours: int
-    #: Number of solution runs by this package's solvers, converged or not.
-    tries: int
-    #: Largest difference of power input and dissipation in any solution, divided by the dissipation.
-    energy: float
-    #: Largest difference between the results of one case from several starting points. For one ball: of its friction loss,
-    #: divided by the loss; for several balls: of the ball-to-ball force, divided by the largest possible friction force.
-    spread: float
-    #: Number of solutions found by Lin's method in which no balls overlap; None if the method was not used.
-    source: int | None = None
-    #: Number of solution runs by Lin's method, successful or not; None if the method was not used.
-    source_tries: int | None = None
     #: Remark on the group; empty for none.
     note: str = ""
-
-
-@dataclass
-class ExtremeGroupTally:
-    """Running counts and largest errors of the solutions of one group of extreme cases; each solution updates them.
-
-    The fields ``cases`` to ``source_tries`` are those of `GroupResult`. ``random_starts``: number of random starts;
-    ``converged_from_random_starts``: number of random starts from which the solver converged without falling back on its
-    default start; ``roots_with_overlap``, ``roots_with_other_forces``: numbers of roots found by Lin's method with
-    overlapping balls, and with ball-to-ball forces that differ from this package's solution.
-    """
-
+    #: Number of cases in the group.
     cases: int = 0
+    #: Number of solution runs by this package's solvers that converged.
     ours: int = 0
+    #: Number of solution runs by this package's solvers, converged or not.
     tries: int = 0
+    #: Largest difference of power input and dissipation in any solution, divided by the dissipation.
     energy: float = 0.0
+    #: Largest difference between the results of one case from several starting points. For one ball: of its friction loss,
+    #: divided by the loss; for several balls: of the ball-to-ball force, divided by the largest possible friction force.
     spread: float = 0.0
+    #: Number of solutions found by Lin's method in which no balls overlap.
     source: int = 0
+    #: Number of solution runs by Lin's method, successful or not.
     source_tries: int = 0
+    #: Number of random starts from which the solver converged without falling back on its default start.
     converged_from_random_starts: int = 0
+    #: Number of random starts.
     random_starts: int = 0
+    #: Number of roots found by Lin's method with overlapping balls.
     roots_with_overlap: int = 0
+    #: Number of roots found by Lin's method with ball-to-ball forces that differ from this package's solution.
     roots_with_other_forces: int = 0
 
     def count_solution_by_lin_method(self, found: BallMotionsByLin | None, force: Array, friction_bound: float) -> None:
@@ -160,13 +144,10 @@ class ExtremeGroupTally:
         self.energy = max(self.energy, abs(power - loss) / max(loss, NO_POWER))
         self.spread = max(self.spread, relative_difference)
 
-    def to_group_result(self, group: str, model: str, note: str = "") -> GroupResult:
-        """Return the results of the group of cases, from the solutions counted so far.
-
-        ``group``: name of the inputs that are varied in the group; ``model``: name of the model; ``note``: remark, to which
-        remarks on random starts and on roots of Lin's method with overlaps or other forces are added.
-        """
-        remarks = [note] if note else []
+    @property
+    def remark(self) -> str:
+        """Remark for the table: `note`, then those on random starts and on roots of Lin's method that are no solutions."""
+        remarks = [self.note] if self.note else []
         if self.random_starts:
             remarks.append(
                 f"{self.converged_from_random_starts} of {self.random_starts} random starts led there by themselves"
@@ -177,9 +158,7 @@ class ExtremeGroupTally:
         ):
             if count:
                 remarks.append(f"roots by Lin's method that {what}: {count}")
-        tried = self.source_tries or None
-        own = self.cases, self.ours, self.tries, self.energy, self.spread
-        return GroupResult(group, model, *own, self.source if tried else None, tried, "; ".join(remarks))
+        return "; ".join(remarks)
 
 
 @dataclass(frozen=True)
@@ -223,7 +202,7 @@ def screw_ball_problem(pair: Pair, force: Array | None = None, sharpness: float 
 
 
 def solve_ball_by_both_methods(
-    tally: ExtremeGroupTally, ball: BallMotionProblem, rng: np.random.Generator, start_distance: float
+    tally: ExtremeGroup, ball: BallMotionProblem, rng: np.random.Generator, start_distance: float
 ) -> None:
     """Solve a ball's motion by least dissipation and by Lin's root finding from random starts, and count the solutions.
 
@@ -248,19 +227,19 @@ def solve_ball_by_both_methods(
 
 def solve_ball_group(
     group: str, model: str, balls: Sequence[BallMotionProblem], note: str = "", start_distance: float = FAR_START
-) -> GroupResult:
+) -> ExtremeGroup:
     """Solve a group of single balls by least dissipation and by Lin's root finding, and return the group's results.
 
     ``group``: name of the inputs that are varied; ``model``: name of the model; ``balls``: motion problems; ``note``:
     remark for the table; ``start_distance``: largest relative distance of the random starts from the solution.
     """
-    rng, tally = np.random.default_rng(1), ExtremeGroupTally()
+    rng, tally = np.random.default_rng(1), ExtremeGroup(group, model, note)
     for ball in balls:
         solve_ball_by_both_methods(tally, ball, rng, start_distance)
-    return tally.to_group_result(group, model, note)
+    return tally
 
 
-def solve_all_single_ball_groups() -> list[GroupResult]:
+def solve_all_single_ball_groups() -> list[ExtremeGroup]:
     """Solve all groups of single balls under given contact loads, and return the results of each group."""
     two, cases = radians(2.0), CASES.values()
     oversized, printed = oversized_pair(two), pair_as_printed(two)
@@ -332,14 +311,14 @@ def solve_linear_group(
     random_starts: int = CHAIN_STARTS,
     most_balls_by_lin_method: int = 200,
     note: str = "",
-) -> GroupResult:
+) -> ExtremeGroup:
     """Solve neighbouring balls of a linear bearing by least dissipation and by Lin's method; return the group's results.
 
     ``group``: name of the inputs that are varied; ``cases``: rows of balls; ``model``: name of the model;
     ``random_starts``: number of random starts in addition to the solver's default start; ``most_balls_by_lin_method``:
     largest number of balls in a row that Lin's method also solves; ``note``: remark for the table.
     """
-    rng, tally = np.random.default_rng(2), ExtremeGroupTally()
+    rng, tally = np.random.default_rng(2), ExtremeGroup(group, model, note)
     for case in cases:
         tally.cases += 1
         c = case.to_linear_chain()
@@ -355,7 +334,7 @@ def solve_linear_group(
         starts = case.bearing, case.contact_angles, case.loads, rng, random_starts, FAR_START
         for found in linear_solutions_from_starts(*starts):
             tally.count_solution_by_lin_method(found, first[:-1], c.largest_friction_bound)
-    return tally.to_group_result(group, model, note)
+    return tally
 
 
 def linear_pair(
@@ -395,33 +374,29 @@ def random_balls_with_unloaded_contacts(count: int, mu: float) -> LinearBearingB
     return replace(case, loads=np.where(rng.uniform(size=loads.shape) < UNLOADED, 0.0, loads))
 
 
-def solve_pair_group(group: str, pairs: Sequence[Pair], note: str = "") -> GroupResult:
+def solve_pair_group(group: str, pairs: Sequence[Pair], note: str = "") -> ExtremeGroup:
     """Solve two touching balls of a screw by this package and by Lin's method; return the group's results.
 
     Contact loads and motions are solved; both methods also start from random motions and ball-to-ball forces. ``group``:
     name of the inputs that are varied; ``pairs``: the cases; ``note``: remark for the table.
     """
-    rng, tally = np.random.default_rng(3), ExtremeGroupTally()
+    rng, tally = np.random.default_rng(3), ExtremeGroup(group, "screw pair", note)
     for p in pairs:
         tally.cases += 1
         r = solve_pair_of_screw_balls(p)
         m = r.touching.motion
         tally.count_own_solution(r.converged, m.input_power, m.loss, 0.0)
         load = r.touching.loads_with_friction
-        chain = ScrewChain(p.groove, load.force, p.groove.normals(load.angle), np.array([0.0, np.inf]))
+        chain = screw_ball_chain(p.groove, load.force, p.groove.normals(load.angle), np.array([0.0, np.inf]))
         count_solutions_from_random_starts(tally, chain, m, rng, FAR_START)
         bound = p.groove.mu * float(r.ball_loads.max())
         for found in pair_solutions_from_starts(p, r, rng, CHAIN_STARTS, FAR_START):
             tally.count_solution_by_lin_method(found, m.ball_force[:1], bound)
-    return tally.to_group_result(group, "screw pair", note)
+    return tally
 
 
 def count_solutions_from_random_starts(
-    tally: ExtremeGroupTally,
-    chain: ScrewChain,
-    known_solution: ChainMotion,
-    rng: np.random.Generator,
-    start_distance: float,
+    tally: ExtremeGroup, chain: ScrewBallChain, known_solution: ChainMotion, rng: np.random.Generator, start_distance: float
 ) -> None:
     """Solve neighbouring balls of a screw from random starts, and count the solutions in ``tally``.
 
@@ -453,22 +428,22 @@ def random_loads_angles_and_closing_rates(count: int) -> tuple[Array, Array, Arr
     return force, angle, np.append(slack[:-1], np.inf)
 
 
-def random_screw_balls(count: int) -> ScrewChain:
+def random_screw_balls(count: int) -> ScrewBallChain:
     """Return neighbouring balls of a screw with random contact loads, contact angles and permitted closing rates.
 
     ``count``: number of balls. The permitted closing rate of a ball is the largest rate [rad/s] at which it may gain on the
     next one.
     """
     g, (force, angle, slack) = screw_groove(), random_loads_angles_and_closing_rates(count)
-    return ScrewChain(g, force, g.normals(angle), slack)
+    return screw_ball_chain(g, force, g.normals(angle), slack)
 
 
-def solve_screw_chain_group() -> GroupResult:
+def solve_screw_chain_group() -> ExtremeGroup:
     """Solve rows of neighbouring balls of a screw by this package and by Lin's method; return the results of all rows.
 
     The rows have the numbers of balls in `BALLS`.
     """
-    rng, tally = np.random.default_rng(4), ExtremeGroupTally()
+    rng, tally = np.random.default_rng(4), ExtremeGroup("chains", f"screw, {', '.join(map(str, BALLS))} balls")
     for count in BALLS:
         tally.cases += 1
         chain = random_screw_balls(count)
@@ -479,24 +454,24 @@ def solve_screw_chain_group() -> GroupResult:
         angles = random_loads_angles_and_closing_rates(count)[1]
         for found in chain_motions_from_random_starts(chain, angles, m, rng, CHAIN_STARTS, NEAR_START):
             tally.count_solution_by_lin_method(found, m.ball_force[:-1], bound)
-    return tally.to_group_result("chains", f"screw, {', '.join(map(str, BALLS))} balls")
+    return tally
 
 
-def solve_bearing_clearance_group() -> GroupResult:
+def solve_bearing_clearance_group() -> ExtremeGroup:
     """Solve the four-point bearing of Lin's Table 4.2 with several clearances, and return the results of all cases.
 
     Loads and motions are solved under a load at 12 deg to the axis, for an inner ring that is free to tilt and one that
     is not.
     """
-    tally = ExtremeGroupTally()
+    tally = ExtremeGroup("clearance to 10 µm", "four-point bearing, 9 balls", "one start each")
     for c, tilt in product(CLEARANCE, (False, True)):
         tally.cases += 1
         s = solve_bearing(four_point_bearing(clearance=c, tilt=tilt), radians(12.0))
-        tally.count_own_solution(s.converged, s.input_power, float(s.loss.sum()), 0.0)
-    return tally.to_group_result("clearance to 10 µm", "four-point bearing, 9 balls", "one start each")
+        tally.count_own_solution(bool(s.converged[0]), float(s.input_power[0]), float(s.loss.sum()), 0.0)
+    return tally
 
 
-def solve_all_groups_of_touching_balls() -> list[GroupResult]:
+def solve_all_groups_of_touching_balls() -> list[ExtremeGroup]:
     """Solve all groups of two and more neighbouring balls, and of a bearing with clearance; return each group's results."""
     two, counts = radians(2.0), f"{', '.join(map(str, BALLS))} balls"
     base, printed = oversized_pair(two), pair_as_printed(two)
@@ -540,112 +515,12 @@ def solve_all_groups_of_touching_balls() -> list[GroupResult]:
     ]
 
 
-# --- extreme cases around those of Lin 3.2 and 3.3: two balls of the linear bearing, starts of the rotary bearing's ball
-
-
-#: Number of random starts for each case, distance and sharpness of the friction law.
-ROOT_STARTS = 8
-
-#: Heading of the column with the largest error of the power balance.
-ENERGY = "largest error of the power balance: |power input - dissipation|/dissipation"
-
-
-def extreme_linear_pair_rows() -> list[Row]:
-    """Return table rows of extreme cases of two balls in the linear bearing, each case solved from three starts.
-
-    Each row is one group of cases: numbers of cases and of converged solutions, largest residual, largest relative
-    difference of power input and dissipation, and largest difference of the ball-to-ball force between starts, divided by
-    the largest possible friction force between the balls.
-    """
-    rng, rows, sides = np.random.default_rng(3), list[Row](), (-0.6, -0.999)
-    groups = {
-        "rho to ±0.999, theta to ±5 deg": [linear_pair(t, r) for t, r in product((-5.0, -0.1, 2.0, 5.0), RHO)],
-        "friction coefficient 0.001 to 0.5": [linear_pair(2.0, r, mu=mu) for r, mu in product(sides, MU)],
-        "loads 1e-3 to 1e5 N": [linear_pair(2.0, r, f) for r, f in product(sides, LOADS)],
-    }
-    for group, pairs in groups.items():
-        chains = [pair.to_linear_chain() for pair in pairs]
-        solved, energy, spread, residual = 0, 0.0, 0.0, 0.0
-        for c in chains:
-            nominal = c.groove.nominal_motion
-            none = np.zeros(len(c.force))
-            starts = [None, *((nominal * rng.uniform(-3.0, 3.0, (len(c.force), 4)), none) for _ in range(2))]
-            found = [solve_motion_of_chain(c, start) for start in starts]
-            solved += sum(r.converged for r in found)
-            energy = max(energy, *(abs(r.input_power / r.loss - 1.0) for r in found))
-            spread = max(
-                spread, *(float(abs(r.ball_force[0] - found[0].ball_force[0])) / c.largest_friction_bound for r in found)
-            )
-            unbalanced = max(r.largest_unbalanced_force for r in found) / (c.largest_friction_bound or 1.0)
-            closing = max(r.largest_gap_violation for r in found) / c.groove.speed_along_path
-            residual = max(residual, unbalanced, closing)
-        found_of_all = f"{solved} of {3 * len(chains)}"
-        rows.append(
-            {
-                TableColumn("group", "varied inputs", "", "s"): group,
-                TableColumn("cases", "number of cases", "", "s"): len(chains),
-                TableColumn(
-                    "solved", "converged solutions, each case solved from three starting points", "", "s"
-                ): found_of_all,
-                TableColumn(
-                    "residual", "largest relative residual of force balance and of contact between balls", "", "g2"
-                ): residual,
-                TableColumn("energy", ENERGY, "", "g2"): energy,
-                TableColumn(
-                    "spread",
-                    "largest difference of the ball-to-ball force between starting points/friction bound",
-                    "",
-                    "g2",
-                ): spread,
-            }
-        )
-    return rows
-
-
-def root_finding_rows() -> list[Row]:
-    """Return table rows that compare Lin's root finding with least dissipation on the rotary bearing's cases I to III.
-
-    Root finding starts from random motions of the ball that differ from the solution by up to 1 %, and by up to 50 %; least
-    dissipation from motions that differ by up to 50 %. A row counts the starts from which each method finds the solution.
-    """
-    rng, rows = np.random.default_rng(5), list[Row]()
-    first = {case: solve_rotary_ball(case, "as printed") for case in CASES}
-    for case, sharpness in product(CASES, (100.0, 1e3, 1e4)):
-        s, law = first[case], lin_sigmoid_law(ROTARY, sharpness)
-        row: Row = {
-            TableColumn("case", "case of the rotary bearing", "", "s"): case,
-            TableColumn("sharpness", "sharpness k_S of Lin's friction law", "", "g3"): sharpness,
-        }
-        for key, words, off in (("near", "1 %", 0.01), ("far", "50 %", 0.5)):
-            begin = [s.motion.unknown_velocities * rng.uniform(1.0 - off, 1.0 + off, 3) for _ in range(ROOT_STARTS)]
-            by_root = sum(motion_by_root(s.problem, law, q).status == "exact" for q in begin)
-            heading = f"converged root findings, started up to {words} away from the solution"
-            row[TableColumn(key, heading, "", "s")] = f"{by_root} of {ROOT_STARTS}"
-        least = least_dissipations([s.problem] * ROOT_STARTS, np.array(begin))
-        good = sum(m.status == "exact" and abs(m.loss / s.motion.loss - 1.0) < 1e-8 for m in least)
-        heading = "converged minimisations of the dissipation, started up to 50 % away"
-        rows.append(row | {TableColumn("ours", heading, "", "s"): f"{good} of {ROOT_STARTS}"})
-    return rows
-
-
-def solve_all_extreme_groups() -> list[GroupResult]:
+def solve_all_extreme_groups() -> list[ExtremeGroup]:
     """Solve all groups of extreme cases of the friction models, and return the results of each group."""
     return [*solve_all_single_ball_groups(), *solve_all_groups_of_touching_balls()]
 
 
-COLUMNS = (
-    TableColumn("group", "varied inputs", "", "s"),
-    TableColumn("model", "friction model", "", "s"),
-    TableColumn("cases", "number of cases", "", "s"),
-    TableColumn("ours", "solutions found by this package, of all starting points", "", "s"),
-    TableColumn("energy", ENERGY, "", "g2"),
-    TableColumn("spread", "largest difference of results between starting points", "", "g2"),
-    TableColumn("source", "solutions found by Lin's root finding, of all starting points", "", "s"),
-    TableColumn("note", "remark", "", "s"),
-)
-
-
-def root_finding_success_in_words(tried: Sequence[GroupResult]) -> str:
+def root_finding_success_in_words(tried: Sequence[ExtremeGroup]) -> str:
     """Return in words from how many starts Lin's root finding finds a solution, for each model, the lowest fraction first.
 
     ``tried``: results of the groups of cases that Lin's method can solve.
@@ -653,26 +528,31 @@ def root_finding_success_in_words(tried: Sequence[GroupResult]) -> str:
     counts: dict[str, tuple[int, int]] = {}
     for r in tried:
         solved, tries = counts.get(r.model, (0, 0))
-        counts[r.model] = solved + (r.source or 0), tries + (r.source_tries or 0)
+        counts[r.model] = solved + r.source, tries + r.source_tries
     worst_first = sorted(counts.items(), key=lambda item: item[1][0] / max(item[1][1], 1))
     return "; ".join(f"{model}: {solved} of {tries}" for model, (solved, tries) in worst_first)
 
 
-def extreme_cases_text_and_table(found: Sequence[GroupResult] | None = None) -> tuple[Text | Table, ...]:
+def extreme_cases_text_and_table(found: Sequence[ExtremeGroup] | None = None) -> tuple[Text | Table, ...]:
     """Return text and table of the report on all extreme cases of the friction models.
 
     ``found``: results of all groups of cases; None: all cases are solved here.
     """
     found = solve_all_extreme_groups() if found is None else found
-    shown = list[dict[str, Cell]]()
-    for r in found:
-        theirs = "–" if r.source is None else f"{r.source} of {r.source_tries}"
-        cells = asdict(r) | {"ours": f"{r.ours} of {r.tries}", "source": theirs}
-        shown.append({c.key: cells[c.key] for c in COLUMNS})
-    tried = [r for r in found if r.source is not None]
+    columns: dict[ColumnKey, Sequence[Cell]] = {
+        "varied_input": [r.group for r in found],
+        "friction_model": [r.model for r in found],
+        "cases": [r.cases for r in found],
+        "solved_here": [f"{r.ours} of {r.tries}" for r in found],
+        "largest_power_error": [r.energy for r in found],
+        "result_spread": [r.spread for r in found],
+        "solved_by_lin": [f"{r.source} of {r.source_tries}" if r.source_tries else "–" for r in found],
+        "remark": [r.remark for r in found],
+    }
+    tried = [r for r in found if r.source_tries]
     text = (
         f"This package's solvers find {sum(r.ours for r in found)} of {sum(r.tries for r in found)} solutions, Lin's root "
-        f"finding {sum(r.source or 0 for r in tried)} of {sum(r.source_tries or 0 for r in tried)}. By model, the worst "
+        f"finding {sum(r.source for r in tried)} of {sum(r.source_tries for r in tried)}. By model, the worst "
         f"first: {root_finding_success_in_words(tried)}. Lin's method decides which balls touch from their motions without "
         f"contact (Lin 3.31, 3.77), so "
         "that its roots for longer rows of balls may let balls overlap; these do not count as solved.",
@@ -689,4 +569,4 @@ def extreme_cases_text_and_table(found: Sequence[GroupResult] | None = None) -> 
         "its restarts keep the loads found first."
     )
     title = "Extreme cases: solutions from all starting points, by this package's friction solvers and Lin's method"
-    return Text(text), Table("friction-extremes", title, COLUMNS, shown, note)
+    return Text(text), Table("friction-extremes", title, columns, note)

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from rollbench.compare.cases.lin.evidence.source_cases import finest_rolling_run
-from rollbench.compare.models.registry import MODELS, ModelOptions
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.store import measuring_conditions
 from rollbench.compare.sections.reference_time import further_solution_seconds
@@ -71,12 +71,10 @@ class ModelRunTimes:
 
     ``cold_start_seconds``: time [s] of the first load case in a new process, imports included;
     ``further_load_case_seconds``: time [s] of the next load case in the same process. Each is None if it was not measured.
-    ``earlier_measurement``: if both are None, text with a time measured earlier and its conditions; else empty.
     """
 
     cold_start_seconds: float | None = None
     further_load_case_seconds: float | None = None
-    earlier_measurement: str = ""
 
 
 def stored_run_times(cache: SceneResultCache, name: str, model: str) -> ModelRunTimes:
@@ -91,15 +89,5 @@ def stored_run_times(cache: SceneResultCache, name: str, model: str) -> ModelRun
         for level in () if kept is None else kept.mesh_level_times:
             if (level.scene, level.level) == (name, found.best.level):
                 return ModelRunTimes(level.process, level.load_case)
-        run = found.best
-        seconds = run.setup_seconds + run.solve_seconds
-        return ModelRunTimes(earlier_measurement=f"{seconds:.3g} s, measured with {run.measured}")
     known = None if kept is None else kept.times_by_scene_and_model.get((name, model))
-    if known is not None:
-        return ModelRunTimes(known.cold, known.warm)
-    if model != "3D":
-        return ModelRunTimes()
-    two = finest_rolling_run(cache, name)
-    if two is None:
-        return ModelRunTimes()
-    return ModelRunTimes(earlier_measurement=f"{two.seconds:.3g} s of processor time, measured with {two.measured}")
+    return ModelRunTimes() if known is None else ModelRunTimes(known.cold, known.warm)

@@ -17,7 +17,7 @@ from rollbench.lowfi.as_source.liu import ensemble as screw_ensemble
 from rollbench.lowfi.as_source.liu.ensemble import Quantity as Spread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.section import screw_section
-from rollbench.reports.content import Figure, Panel, Row, Series, Table, TableColumn
+from rollbench.reports.content import Figure, Panel, Row, Series, Table
 
 #: Axial loads [N] of the curves, up to the largest load of section 4, and up to that of the test; number of random screws.
 LOADS = (50.0, 100.0, 200.0, 350.0, 500.0, 750.0, 1000.0, 1500.0, 2137.0, 3000.0, 4000.0, 5000.0)
@@ -156,8 +156,8 @@ def displacement_test_figure() -> Figure:
         _curve_without_errors(lambda f: _error_free_response(f)[1], TEST_LOADS),
     )
     panels = (
-        Panel("displacement of the nut", "axial load / N", "axial displacement / µm", series, include_zero=True),
-        Panel("stiffness of the nut", "axial load / N", "stiffness / 10⁸ N/m", stiff, include_zero=True),
+        Panel("displacement of the nut", "axial_load", "axial displacement / µm", series, include_zero=True),
+        Panel("stiffness of the nut", "axial_load", "stiffness_1e8", stiff, include_zero=True),
     )
     caption = (
         "Computed curves only: Liu's text prints no measured displacement. It does not state whether the measured "
@@ -178,14 +178,14 @@ def displacement_test_table() -> Table:
         low, middle, high = (float(np.quantile(moved, q)) for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
         rows.append(
             {
-                TableColumn("load", "axial load", "N", "s"): f"{force:g}",
-                TableColumn("printed", "printed displacement", "", "s"): "in a figure only",
-                TableColumn("middle", "median displacement with ball errors of ±3 µm", "µm", ".2f"): middle,
-                TableColumn("low", "0.5th percentile of the displacement with ball errors of ±3 µm", "µm", ".2f"): low,
-                TableColumn("high", "99.5th percentile of the displacement with ball errors of ±3 µm", "µm", ".2f"): high,
-                TableColumn("none", "displacement without ball errors", "µm", ".2f"): _error_free_response(force)[0],
-                TableColumn("stretch", "elongation of the loaded part of the screw outside the nut", "µm", ".2f"): stretch,
-                TableColumn("loaded", "median number of loaded balls", "", ".0f"): loaded,
+                "axial_load": f"{force:g}",
+                "printed_displacement": "in a figure only",
+                "displacement_median": middle,
+                "displacement_p0_5": low,
+                "displacement_p99_5": high,
+                "displacement_without_errors": _error_free_response(force)[0],
+                "screw_elongation": stretch,
+                "loaded_balls_median": loaded,
             }
         )
     note = (
@@ -214,7 +214,7 @@ def liu_and_mei_loads_figure() -> Figure:
         if not errors.any():
             ends = [float(q[0]) * printed_value("liu-4.1", key) for q, key in ((ours, "ratio"), (mei, "ratio_mei"))]
             series.append(_printed_markers([liu.ball_count()] * 2, ends, "printed Q78/Q1 times computed Q1"))
-        panels.append(Panel(title, BALLS, "normal load / N", series))
+        panels.append(Panel(title, BALLS, "normal_load", series))
     caption = f"Of this figure only the ratios of the last ball's load to the first ball's are printed. {DRAWN}"
     title = "Liu (2025), Figure 14: contact loads by Liu's and by Mei's model at an axial load of 5000 N"
     return Figure("liu-figure-14", title, panels, caption)
@@ -232,7 +232,7 @@ def loads_with_one_faulty_ball_figure() -> Figure:
             q33, ratio = (printed_value("liu-4.2", f"{sign}_{key}_{force:.0f}") for key in ("Q33", "ratio"))
             printed += [q33, ratio * float(load[0])]
         series.append(_printed_markers(at, printed))
-        panels.append(Panel(f"{words} error of ball 33", BALLS, "normal load / N", series, include_zero=True))
+        panels.append(Panel(f"{words} error of ball 33", BALLS, "normal_load", series, include_zero=True))
     caption = (
         "Markers: load Q33 of ball 33 that Liu prints, and load of ball 78, from the printed ratio Q78/Q1 of the loads of "
         "balls 78 and 1 and the computed load Q1. The lighter axial load of panel a is not printed; 1000 N is assumed, as "
@@ -260,7 +260,7 @@ def _load_curves_and_ranges(half_range: int, loads: Iterable[float]) -> list[Ser
 def loads_with_random_errors_figure() -> Figure:
     """Draw Liu's Figure 16: loads of all balls with random errors of +-2 um."""
     curves = _load_curves_and_ranges(2, (500.0, 1000.0, 5000.0))
-    panel = Panel("ball errors of ±2 µm", BALLS, "normal load / N", curves, include_zero=True)
+    panel = Panel("ball errors of ±2 µm", BALLS, "normal_load", curves, include_zero=True)
     caption = f"Markers at the left: smallest and largest loads that Liu's text prints. {DRAWN}"
     title = "Liu (2025), Figure 16: contact loads with random ball errors of ±2 µm"
     return Figure("liu-figure-16", title, (panel,), caption, columns=1)
@@ -272,7 +272,7 @@ def loads_by_error_range_figure() -> Figure:
     for half_range, letter in enumerate("abcd"):
         title = f"{letter}: " + (f"ball errors of ±{half_range} µm" if half_range else "no ball errors")
         curves = _load_curves_and_ranges(half_range, (1000.0, 5000.0))
-        panels.append(Panel(title, BALLS, "normal load / N", curves, include_zero=True))
+        panels.append(Panel(title, BALLS, "normal_load", curves, include_zero=True))
     caption = f"Markers at the left: smallest and largest loads that Liu's text prints. {DRAWN}"
     title = "Liu (2025), Figure 17: contact loads for several ranges of random ball errors"
     return Figure("liu-figure-17", title, panels, caption)
@@ -290,9 +290,7 @@ def loaded_balls_figure(found: dict[str, float], caption_end: str) -> Figure:
         at = [float(k.split("_")[2]) for k in keys]
         counts = [liu.ball_count() - found[k] if k.startswith("un") else found[k] for k in keys]
         series = (*_percentile_curves_over_load(h, "loaded", 1.0, LOADS[:-2]), _printed_markers(at, counts))
-        panels.append(
-            Panel(f"ball errors of ±{h} µm", "axial load / N", "number of loaded balls", series, include_zero=True)
-        )
+        panels.append(Panel(f"ball errors of ±{h} µm", "axial_load", "number of loaded balls", series, include_zero=True))
     caption = (
         "Markers: number of loaded balls by Liu's text, which for some loads prints the number of unloaded balls, out of "
         f"78. {caption_end} {SPREAD}"
@@ -307,8 +305,8 @@ def displacement_figure() -> Figure:
     panels = [
         Panel(
             f"ball errors of ±{h} µm",
-            "axial load / N",
-            "displacement / µm",
+            "axial_load",
+            "displacement",
             (*_percentile_curves_over_load(h, "displacement_first_loaded", 1e-6), free),
             include_zero=True,
         )
@@ -342,7 +340,7 @@ def stiffness_figure(found: dict[str, float], caption_end: str) -> Figure:
             _printed_stiffness_markers(found, 0, "printed, no ball errors"),
         ]
         series = (*_percentile_curves_over_load(h, "stiffness", 1e8), free, *marks)
-        panels.append(Panel(f"ball errors of ±{h} µm", "axial load / N", "stiffness / 10⁸ N/m", series, include_zero=True))
+        panels.append(Panel(f"ball errors of ±{h} µm", "axial_load", "stiffness_1e8", series, include_zero=True))
     caption = (
         "Computed: tangent stiffness. Liu's equation (22) is a secant, which lies above the tangent; its load step is not "
         f"printed. {caption_end} {SPREAD}"
@@ -372,16 +370,8 @@ def stiffness_of_three_screws_figure(found: dict[str, float]) -> Figure:
         _printed_markers(loads, [printed_value("liu-4.4", f"spread_{f:.0f}") for f in loads]),
     )
     panels = (
-        Panel(
-            "three random screws, ball errors of ±2 µm", "axial load / N", "stiffness / 10⁸ N/m", curves, include_zero=True
-        ),
-        Panel(
-            "largest minus smallest stiffness of three screws",
-            "axial load / N",
-            "stiffness / 10⁸ N/m",
-            differ,
-            include_zero=True,
-        ),
+        Panel("three random screws, ball errors of ±2 µm", "axial_load", "stiffness_1e8", curves, include_zero=True),
+        Panel("largest minus smallest stiffness of three screws", "axial_load", "stiffness_1e8", differ, include_zero=True),
     )
     title = "Liu (2025), Figure 21: axial stiffness of three screws with random ball errors"
     return Figure("liu-figure-21", title, panels, DRAWN)

@@ -5,52 +5,12 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+from rollbench.compare.models.model import Model, has_beam_screw
+
 if TYPE_CHECKING:
-    from rollbench.compare.models.registry import Model, ModelOptions
+    from rollbench.compare.models.model import ModelOptions
     from rollbench.lowfi.statics.result import StaticResult
     from rollbench.meshes.parts import Scene
-
-
-def models() -> tuple[Model, ...]:
-    """Return the models; called by the registry of models, which is not imported here for that reason."""
-    from rollbench.compare.models.registry import Model
-
-    bars = "axial bars, and contact springs of fixed direction"
-    no_assembly = "its bars connect the supports of the screw to a single fixed nut"
-    return (
-        Model(
-            "mei",
-            "axial bars and springs of fixed direction, rigid nut (Mei et al. 2003)",
-            "Mei's model: axial bar, rigid nut",
-            f"{bars}, nut rigid",
-            partial(_solve_mei, elastic_nut=False),
-            no_assembly,
-            covers_scene=_is_covered_by_mei_model,
-            compared=True,
-        ),
-        Model(
-            "mei-nut",
-            "mei with the nut as an elastic bar fixed at its left face",
-            "Mei's model: screw and nut as bars",
-            f"{bars}, nut a bar",
-            partial(_solve_mei, elastic_nut=True),
-            no_assembly,
-            covers_scene=_is_covered_by_mei_model,
-            compared=True,
-        ),
-        Model(
-            "liu",
-            "chain of balls along the axis that lose and gain contact, contact angles that turn, elastic nut "
-            "(Liu et al. 2025)",
-            "Liu's model: bars, angles vary with load",
-            "axial bars, and contact springs whose direction turns; screw and nut each loaded at one end",
-            _solve_liu,
-            "it describes one row of balls between a screw and a nut, each loaded at one end",
-            covers_scene=_is_covered_by_liu_model,
-            compared=True,
-            axial_stiffness=_axial_stiffness_by_liu,
-        ),
-    )
 
 
 def _solve_mei(scene: Scene, options: ModelOptions, *, elastic_nut: bool) -> StaticResult:
@@ -76,8 +36,6 @@ def _axial_stiffness_by_liu(scene: Scene, options: ModelOptions, step: float) ->
 
 def _is_covered_by_mei_model(scene: Scene) -> bool:
     """Return whether the model of Mei et al. covers a scene: axial loads, no preload, one support, screw as a beam."""
-    from rollbench.compare.models.registry import has_beam_screw
-
     axial = all(x.force[0] == x.force[1] == 0.0 and not any(x.moment) for x in scene.loads)
     return axial and scene.errors.balls.oversize == 0.0 and len(scene.supports) == 1 and has_beam_screw(scene)
 
@@ -90,3 +48,41 @@ def _is_covered_by_liu_model(scene: Scene) -> bool:
     from rollbench.lowfi.as_source.liu.model import is_solvable_by_liu
 
     return is_solvable_by_liu(scene)
+
+
+_BARS = "axial bars, and contact springs of fixed direction"
+_NO_ASSEMBLY = "its bars connect the supports of the screw to a single fixed nut"
+#: Models with which the publication computes.
+MODELS = (
+    Model(
+        "mei",
+        "axial bars and springs of fixed direction, rigid nut (Mei et al. 2003)",
+        "Mei's model: axial bar, rigid nut",
+        f"{_BARS}, nut rigid",
+        partial(_solve_mei, elastic_nut=False),
+        _NO_ASSEMBLY,
+        covers_scene=_is_covered_by_mei_model,
+        compared=True,
+    ),
+    Model(
+        "mei-nut",
+        "mei with the nut as an elastic bar fixed at its left face",
+        "Mei's model: screw and nut as bars",
+        f"{_BARS}, nut a bar",
+        partial(_solve_mei, elastic_nut=True),
+        _NO_ASSEMBLY,
+        covers_scene=_is_covered_by_mei_model,
+        compared=True,
+    ),
+    Model(
+        "liu",
+        "chain of balls along the axis that lose and gain contact, contact angles that turn, elastic nut (Liu et al. 2025)",
+        "Liu's model: bars, angles vary with load",
+        "axial bars, and contact springs whose direction turns; screw and nut each loaded at one end",
+        _solve_liu,
+        "it describes one row of balls between a screw and a nut, each loaded at one end",
+        covers_scene=_is_covered_by_liu_model,
+        compared=True,
+        axial_stiffness=_axial_stiffness_by_liu,
+    ),
+)

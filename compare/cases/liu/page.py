@@ -27,7 +27,7 @@ from rollbench.lowfi.as_source.liu.model import SpringRow as ModelInputs
 from rollbench.lowfi.as_source.liu.model import nut_as_spring_row
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Calibration, Scene
-from rollbench.reports.content import Row, Section, Table, TableColumn, Text
+from rollbench.reports.content import Row, Section, Table, Text
 
 #: Sections of the report by name: title, names of the printed tables.
 CHAPTERS = {
@@ -254,24 +254,18 @@ def model_loads_table(cache: SceneResultCache) -> Table:
     """
     rows: list[Row] = []
     for c in cache.compute_once(compare_models):
-        row: Row = {
-            TableColumn("errors", "errors of the ball diameters", "", "s"): c.ball_errors_in_words,
-            TableColumn("load", "axial load", "N", ".0f"): c.axial_load,
-        }
-        for name, words, model in (
-            ("axial", "axial-only model", c.loads_by_axial_model),
-            ("beam", "beam model", c.loads_by_beam_model),
-            ("refined", "refined model", c.loads_by_refined_model),
+        row: Row = {"diameter_errors": c.ball_errors_in_words, "axial_load": c.axial_load}
+        for words, model in (
+            ("axial-only model", c.loads_by_axial_model),
+            ("beam model", c.loads_by_beam_model),
+            ("refined model", c.loads_by_refined_model),
         ):
-            row[TableColumn(name, f"largest contact load, {words}", "N")] = float(model.max())
-            loaded = int(np.count_nonzero(model > 0.0))
-            row[TableColumn(f"{name}_loaded", f"number of loaded balls, {words}", "", "s")] = loaded
-            if name != "axial":
+            row["largest_load_by_g4", words] = float(model.max())
+            row["loaded_balls", words] = int(np.count_nonzero(model > 0.0))
+            if model is not c.loads_by_axial_model:
                 rms, most, ball = c.differences_of_axial_model(model)
-                heading = f"RMS difference of the contact loads, {words} from axial-only model"
-                row[TableColumn(f"{name}_rms", heading, "% of mean load", ".2f")] = rms
-                heading = f"largest difference of a contact load, {words} minus axial-only model"
-                row[TableColumn(f"{name}_most", heading, "% of mean load", "s")] = f"{most:+.1f} (ball {ball})"
+                row["rms_difference_from_axial", words] = rms
+                row["largest_difference_from_axial", words] = f"{most:+.1f} (ball {ball})"
         rows.append(row)
     note = (
         "Axial-only model: Liu's model with a rigid nut and the axial compliance of the beam model's screw. Cross "
@@ -287,17 +281,16 @@ def errors_against_3d_table(cache: SceneResultCache) -> Table:
     ``cache``: gives the solved scenes.
     """
     words = {"axial": "axial-only model", "lin": "beam model", "refined": "refined model"}
-    uncertainty = "uncertainty of the 3D contact loads by the mesh"
     rows: list[Row] = [
         {
             "scene": c.scene,
-            TableColumn("model", "low-order model", "", "s"): words[c.model],
-            TableColumn("rms", "RMS error of the contact loads", "% of mean load", ".2f"): c.rms_percent,
-            TableColumn("most", "largest error of a contact load", "% of mean load", ".2f"): c.largest_percent,
-            TableColumn("ball", "ball with the largest error", "", "s"): c.worst_ball,
-            TableColumn("bar", uncertainty, "% of mean load", ".2f"): c.mesh_uncertainty_percent,
-            TableColumn("loaded", "number of loaded balls by the model", "", "s"): c.loaded_balls,
-            TableColumn("solid", "number of loaded balls in 3D", "", "s"): c.loaded_balls_in_3d,
+            "model": words[c.model],
+            "rms_error": c.rms_percent,
+            "largest_load_error": c.largest_percent,
+            "ball_of_largest_error": c.worst_ball,
+            "mesh_uncertainty": c.mesh_uncertainty_percent,
+            ("loaded_balls", "model"): c.loaded_balls,
+            ("loaded_balls", "3D reference"): c.loaded_balls_in_3d,
         }
         for c in cache.compute_once(differences_from_3d)
     ]

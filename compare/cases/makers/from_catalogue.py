@@ -19,7 +19,7 @@ from rollbench.lowfi.rating.contacts import static_rating
 from rollbench.lowfi.rating.life import dynamic_rating
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Errors, Scene
-from rollbench.reports.content import Cell, Figure, Panel, Series, Table, TableColumn
+from rollbench.reports.content import Figure, Panel, Row, Series, Table
 
 #: Ratios of computed to printed values between which they are not named.
 USUAL = (0.7, 1.4)
@@ -167,20 +167,15 @@ def catalogue_ratios_figure() -> Figure:
 
 def catalogue_ratios_table() -> Table:
     """Return the table of computed over printed C, C_0 and K: median and range by maker, and nuts outside `USUAL`."""
-    rows: list[dict[TableColumn | str, Cell]] = []
+    rows: list[Row] = []
     for group, found in _ratios_by_group().items():
-        row: dict[TableColumn | str, Cell] = {
-            TableColumn("maker", "maker, and nuts that he rates alike", "", "s"): group,
-            TableColumn("nuts", "number of nuts", "", ".0f"): len(found),
-        }
+        row: Row = {"maker": group, "nuts": len(found)}
         for key, what in QUANTITIES.items():
             values = [x for one in found if (x := one.ratios[key]) is not None]
-            heading = f"{what}, {key}, computed over printed: median (range)"
-            row[TableColumn(key, heading, "", "s")] = (
+            row["computed_over_printed", what, key] = (
                 f"{np.median(values):.2f} ({min(values):.2f} to {max(values):.2f})" if values else None
             )
-        limits = f"{USUAL[0]:g} to {USUAL[1]:g}"
-        row[TableColumn("outside", f"nuts with a ratio outside {limits}", "", "s")] = unusual_ratios(found)
+        row["unusual_nuts", f"{USUAL[0]:g} to {USUAL[1]:g}"] = unusual_ratios(found)
         rows.append(row)
     note = (
         "Scenes as rollbench new --like NAME writes them, with 0.9 of the turns filled with balls: no ball is counted from "

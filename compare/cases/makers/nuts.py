@@ -14,7 +14,8 @@ from math import pi, prod, radians, sqrt
 import numpy as np
 
 from rollbench.compare.cases.makers import outside
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import catalogue, makers
 from rollbench.compare.scenes.from_keys import angle_of_touching_balls, ball_oversize_for_preload
 from rollbench.compare.scenes.template import BEYOND, STOCK, WALL

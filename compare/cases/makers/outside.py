@@ -15,7 +15,7 @@ from rollbench.compare.evidence import computations_with_function, evidence
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.scenes.makers import MakerTable, half_step_of_last_digit
-from rollbench.reports.content import Cell, Table, TableColumn
+from rollbench.reports.content import Row, Table
 
 MAKER, MEASURED, PROGRAM = "printed by a maker", "measured", "another program"
 
@@ -165,21 +165,14 @@ def group_by_fields(found: Iterable[PublishedValue], *keys: str) -> dict[tuple[s
     return groups
 
 
-BIAS = TableColumn("bias", "mean error (bias)", "%", "+.1f")
-
-SCATTER = TableColumn("scatter", "standard deviation of the error (scatter)", "%", ".1f")
-
-NUMBER = TableColumn("number", "number of published values", "", ".0f")
-
-
-def statistics_cells_by_quantity(found: Sequence[PublishedValue]) -> dict[str, dict[TableColumn, Cell]]:
+def statistics_cells_by_quantity(found: Sequence[PublishedValue]) -> dict[str, Row]:
     """Return table cells with number, bias [%] and scatter [%] of the errors of all judged values, by quantity.
 
     ``found``: published values with the computed ones.
     """
     rows = {key: error_statistics(values) for (key,), values in group_by_fields(found, "quantity").items()}
     return {
-        key: {NUMBER: s.count, BIAS: s.mean_error_percent, SCATTER: s.standard_deviation_percent}
+        key: {"values": s.count, "bias": s.mean_error_percent, "scatter": s.standard_deviation_percent}
         for key, s in rows.items()
         if s is not None
     }
@@ -190,9 +183,8 @@ def bias_and_scatter_table(found: Sequence[PublishedValue]) -> Table:
 
     ``found``: published values with the computed ones.
     """
-    rows: list[dict[TableColumn | str, Cell]] = []
+    rows: list[Row] = []
     without: list[str] = []
-    band, reduced = "range of computed values", "mean error if the computed value is multiplied by 0.8"
     for (quantity, law, group), values in group_by_fields(found, "quantity", "law", "group").items():
         left = [x.left for x in values if x.left]
         words = "; ".join(f"{left.count(why)}: {why}" for why in dict.fromkeys(left))
@@ -203,17 +195,15 @@ def bias_and_scatter_table(found: Sequence[PublishedValue]) -> Table:
         rows.append(
             {
                 "quantity": quantity,
-                TableColumn("against", "published by", "", "s"): group,
-                TableColumn("computed by", "model with which the value is computed", "", "s"): law,
-                NUMBER: s.count,
-                BIAS: s.mean_error_percent,
-                SCATTER: s.standard_deviation_percent,
-                TableColumn("inside", f"number of published values in the {band}", "", ".0f"): s.count_in_range,
-                TableColumn(
-                    "width", f"median width of the {band}", "% of computed value", ".1f"
-                ): s.median_range_width_percent,
-                TableColumn("practice", reduced, "%", "+.1f"): s.reduced_mean_error_percent,
-                TableColumn("not judged", "published values left out, and why", "", "s"): words,
+                "published_by": group,
+                "computing_model": law,
+                "published_values": s.count,
+                "bias_f1": s.mean_error_percent,
+                "scatter_f1": s.standard_deviation_percent,
+                "published_in_range": s.count_in_range,
+                "range_width": s.median_range_width_percent,
+                "reduced_error": s.reduced_mean_error_percent,
+                "values_left_out": words,
             }
         )
     note = (
@@ -231,21 +221,21 @@ def published_values_table(found: Sequence[PublishedValue]) -> Table:
 
     ``found``: published values with the computed ones.
     """
-    rows: list[dict[TableColumn | str, Cell]] = [
+    rows: list[Row] = [
         {
             "quantity": x.quantity,
-            TableColumn("maker", "published by", "", "s"): x.maker,
-            TableColumn("class", "kind of source", "", "s"): x.kind_of_source,
-            TableColumn("item", "screw, nut or bearing to which the value belongs", "", "s"): x.part,
-            TableColumn("value", "published value", "", "g6"): x.value,
+            "published_by": x.maker,
+            "source_kind": x.kind_of_source,
+            "item": x.part,
+            "published_value": x.value,
             "unit": x.unit,
-            TableColumn("computed", "computed value", "", "g6"): x.computed.value,
-            TableColumn("low", "lower end of the range of computed values", "", "g6"): x.computed.low,
-            TableColumn("high", "upper end of the range of computed values", "", "g6"): x.computed.high,
-            TableColumn("error", "error of the computed value", "%", ".2f"): x.error_percent,
-            TableColumn("verdict", "whether the published value lies in the range of computed values", "", "s"): x.verdict,
-            TableColumn("law", "model with which the value is computed", "", "s"): x.law,
-            TableColumn("origin", "file and line of the published value", "", "s"): x.origin,
+            "computed_value": x.computed.value,
+            "computed_low": x.computed.low,
+            "computed_high": x.computed.high,
+            "error_of_computed": x.error_percent,
+            "in_computed_range": x.verdict,
+            "computing_model": x.law,
+            "file_and_line": x.origin,
         }
         for x in found
     ]

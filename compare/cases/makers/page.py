@@ -12,7 +12,7 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.scenes.makers import read_maker_tables
 from rollbench.lowfi.rating.rigidity import PRACTICE
 from rollbench.meshes.arrays import Array
-from rollbench.reports.content import Cell, Figure, Panel, Section, Series, Table, TableColumn, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
 
 TITLE = "Computed values compared with makers' tables, measurements and other programs"
 #: Order of the quantities in tables; other quantities follow them.
@@ -46,7 +46,7 @@ def _all_published_values(cache: SceneResultCache) -> tuple[outside.PublishedVal
     return tuple(sorted(found, key=lambda x: rank.get(x.quantity, len(rank))))
 
 
-def first_page(cache: SceneResultCache) -> dict[str, dict[TableColumn, Cell]]:
+def first_page(cache: SceneResultCache) -> dict[str, Row]:
     """Return table cells for the report's first page: number, bias [%] and scatter [%] of the errors, by quantity.
 
     The errors are those of computed against published values. ``cache``: gives solved scenes and stored 3D references.
@@ -211,25 +211,18 @@ def drag_torque_text(found: Sequence[outside.PublishedValue]) -> str:
 
 def drag_torque_table() -> Table:
     """Return the table of drag torque divided by preload and nominal diameter, for several leads: computed, by formulas."""
-    rows: list[dict[TableColumn | str, Cell]] = []
-    least = f"computed with friction coefficient {nuts.LEAST:g}"
+    rows: list[Row] = []
     for one in nuts.drag_torque_ratios_over_lead():
-        row: dict[TableColumn | str, Cell] = {
-            TableColumn("lead", "lead of the screw", "mm", "g3"): 1e3 * one.lead,
-            TableColumn("single", "drag torque/(preload x nominal diameter) of a single nut, computed", "1e-3", ".1f"): 1e3
-            * one.single,
-            TableColumn("double", "drag torque/(preload x nominal diameter) of a double nut, computed", "1e-3", ".1f"): 1e3
-            * one.double,
-            TableColumn("least", f"drag torque/(preload x nominal diameter) of a single nut, {least}", "1e-3", ".2f"): 1e3
-            * one.at_smallest_friction[0],
-            TableColumn(
-                "least_double", f"drag torque/(preload x nominal diameter) of a double nut, {least}", "1e-3", ".3f"
-            ): 1e3 * one.at_smallest_friction[1],
+        row: Row = {
+            "lead": 1e3 * one.lead,
+            "drag_torque_single": 1e3 * one.single,
+            "drag_torque_double": 1e3 * one.double,
+            ("drag_torque_single_at", f"{nuts.LEAST:g}"): 1e3 * one.at_smallest_friction[0],
+            ("drag_torque_double_at", f"{nuts.LEAST:g}"): 1e3 * one.at_smallest_friction[1],
         }
         for (name, _), value in zip(nuts.FORMULAS, one.by_makers_formulas, strict=True):
             maker, formula = name.replace("P/2 pi", "P/(2 pi)").split(": ")
-            heading = f"torque ratio by {maker}'s formula, T = {formula}"
-            row[TableColumn(name, heading, "1e-3", ".1f")] = 1e3 * value
+            row["drag_torque_by_formula", maker, formula] = 1e3 * value
         rows.append(row)
     at = f"Nominal diameter {nuts.SWEPT[0]:g} mm, balls of {nuts.BALL:g} mm, {nuts.SHARE:g} N each"
     note = "Torque ratio: drag torque T divided by preload F and nominal diameter d0. P: lead; beta: lead angle. "
@@ -250,7 +243,7 @@ def sorted_errors_figure(found: Sequence[outside.PublishedValue]) -> Figure:
         if len(values) > 20:
             x = [float(k + 1) / len(values) for k in range(len(values))]
             series.append(Series(quantity, x, sorted(v.error_percent for v in values), "line"))
-    panel = Panel("error of the computed value", "share of the values with a smaller error", "error / %", tuple(series))
+    panel = Panel("error of the computed value", "share of the values with a smaller error", "error_percent", tuple(series))
     title = "Errors of computed values against makers' tables, measurements and other programs, sorted by size"
     return Figure("outside-errors", title, (panel,), "One curve for each quantity with more than 20 published values.", 1)
 

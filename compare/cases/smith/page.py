@@ -21,7 +21,7 @@ from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import dimensionless_hertz_parameters
 from rollbench.lowfi.bearings.axis import carriage_to_frame_stiffness
 from rollbench.meshes.axis import Assembly
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
 
 #: Sections of the report by name: title, names of the printed tables.
 CHAPTERS = {
@@ -83,7 +83,7 @@ def hertz_parameters_figure() -> Figure:
             off.append(Series(f"{label}, fit", inside, fits, "line"))
     panels = (
         Panel("Hertz parameters of Table 2-1 and by exact integrals", "F(p)", "δ*, b*", curves, include_zero=True),
-        Panel("error of table and fits against exact integrals", "F(p)", "error / %", off),
+        Panel("error of table and fits against exact integrals", "F(p)", "error_percent", off),
     )
     caption = (
         "δ*: dimensionless approach; a*, b*: dimensionless semi-axes of the contact ellipse. The last b* of Table 2-1 is "
@@ -123,7 +123,7 @@ def bearing_stiffness_panel(found: Sequence[PrintedEntryComparison]) -> Panel:
         curve("taper, correct", bearings.taper_stiffness),
         curve("taper, Smith's spreadsheet", bearings.taper_sheet_stiffness),
     )
-    return Panel("axial stiffness of one bearing", "thrust / lbf", "stiffness / 10⁶ lbf/in", series, include_zero=True)
+    return Panel("axial stiffness of one bearing", "thrust / lbf", "stiffness_1e6_lbf_in", series, include_zero=True)
 
 
 def axis_stiffness_panel(found: Sequence[PrintedEntryComparison]) -> Panel:
@@ -145,13 +145,7 @@ def axis_stiffness_panel(found: Sequence[PrintedEntryComparison]) -> Panel:
             series.append(Series(f"{kind}, {words}", at, [float(v) for v in values], "line"))
         total = next(f for f in found if f.printed.key == f"total_{kind}")
         series.append(Series(f"{kind}, Smith's springs in series", [0.5], [1e-6 * (total.as_printed or 0.0)], "markers"))
-    return Panel(
-        "axial stiffness of the screw axis",
-        "distance of the nut from the left support, divided by the distance between the supports",
-        "stiffness / 10⁶ lbf/in",
-        series,
-        include_zero=True,
-    )
+    return Panel("axial stiffness of the screw axis", "nut_place", "stiffness_1e6_lbf_in", series, include_zero=True)
 
 
 def stiffness_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
@@ -221,27 +215,19 @@ def end_thrusts_and_stiffness_table(cache: SceneResultCache) -> Table:
     ``cache``: gives the solved scenes.
     """
     unit = 1e6 * bearings.POUND_PER_INCH
-    where = "distance of the nut from the left support, divided by the distance between the supports"
-    off = "stiffness difference, beam model against closed formulas"
     rows: list[Row] = []
     for layout, place, beam, closed in axis.compare_beam_model_with_formulas(cache):
         cache.record_used_scenes((layout.scene_name,))
-        models = ("scene", "beam model", beam), ("formula", "closed formulas", closed)
-        row: Row = {
-            TableColumn("layout", "support bearings", "", "s"): layout.description,
-            TableColumn("place", where, "", ".1f"): place,
-        }
+        models = {"beam model": beam, "closed formulas": closed}
+        row: Row = {"support_bearings": layout.description, "nut_place": place}
         for end in ("left", "right"):
-            for key, model, result in models:
-                thrust = getattr(result, f"{end}_thrust") / bearings.POUND
-                row[TableColumn(f"{end}_{key}", f"thrust on the {end} end, {model}", "lbf", ".0f")] = thrust
-        for key, model, result in models:
-            row[TableColumn(key, f"axial stiffness, {model}", "10⁶ lbf/in", ".3f")] = result.axis_stiffness / unit
-        row[TableColumn("difference", off, "%", ".2f")] = float(error_percent(beam.axis_stiffness, closed.axis_stiffness))
-        series, heading = axis.axis_stiffness_by_sum_in_series(layout) / unit, "Smith's formula for springs in series"
-        row[TableColumn("series", f"axial stiffness, {heading}", "10⁶ lbf/in", ".3f")] = (
-            series if np.isfinite(series) else None
-        )
+            for model, result in models.items():
+                row["thrust_on_end", end, model] = getattr(result, f"{end}_thrust") / bearings.POUND
+        for model, result in models.items():
+            row["axis_stiffness", model] = result.axis_stiffness / unit
+        row["stiffness_difference"] = float(error_percent(beam.axis_stiffness, closed.axis_stiffness))
+        series = axis.axis_stiffness_by_sum_in_series(layout) / unit
+        row["axis_stiffness", "Smith's formula for springs in series"] = series if np.isfinite(series) else None
         rows.append(row)
     title = "Thrust on both end supports and stiffness of the screw axis, for each bearing layout and nut position"
     return Table.from_rows("smith-layouts", title, rows, LAYOUT_NOTE)
@@ -259,11 +245,11 @@ def tapered_row_torque_table() -> Table:
     labels = {f.key: f.label for name in ("smith-3", "smith-5") for f in load_printed_table(name)}
     rows: list[Row] = [
         {
-            TableColumn("row", "row of tapered rollers", "", "s"): labels[key],
-            TableColumn("thrust", "thrust, computed", "lbf", ".0f"): thrust,
-            TableColumn("printed", "torque, Smith", "in-lbf", ".4g"): printed,
-            TableColumn("low", "torque, ours, friction of the rib 0.03", "in-lbf", ".3g"): low,
-            TableColumn("high", "torque, ours, friction of the rib 0.15", "in-lbf", ".3g"): high,
+            "roller_row": labels[key],
+            "thrust": thrust,
+            "smith_torque": printed,
+            ("roller_torque", "0.03"): low,
+            ("roller_torque", "0.15"): high,
         }
         for key, thrust, printed, (low, high) in axis.tapered_row_torques()
     ]
@@ -295,20 +281,18 @@ def tapered_roller_table_and_figure(cache: SceneResultCache) -> tuple[Table | Fi
     for one in rollers.roller_quantities(roller, runs):
         row: Row = {"quantity": f"{one.name}, {one.unit}"}
         for level, value in zip(one.levels, one.values, strict=True):
-            row[TableColumn(f"level_{level}", f"value in 3D, mesh level {level}", "", ".4g")] = value
-        row |= {TableColumn("uncertainty", "uncertainty of the 3D value by the mesh", "", ".2g"): one.uncertainty}
+            row["value_on_level", str(level)] = value
+        row |= {"mesh_uncertainty_of_value": one.uncertainty}
         for key, words in (
             ("low_order", "slices of the roller"),
             ("norm", "the spring law of ISO/TS 16281"),
             ("line_contact", "Hertz line contact"),
         ):
-            row[TableColumn(key, f"value by {words}", "", ".4g")] = one.further[key]
-            heading, error = f"error of the value by {words} against 3D", one.further[f"{key}_error_percent"]
-            row[TableColumn(f"{key}_error", heading, "%", ".2f")] = error
+            row["value_by", words] = one.further[key]
+            row["error_by", words] = one.further[f"{key}_error_percent"]
         rows.append(row)
     best = runs[-1]
-    times = ", ".join(f"{run.cpu_seconds:.0f} s for {run.cells} cells on level {run.level}" for run in runs)
-    note = f"{ROLLER_NOTE} {rollers.low_order_error_sentence(roller, runs)} Processor time: {times}."
+    note = f"{ROLLER_NOTE} {rollers.low_order_error_sentence(roller, runs)}"
     along = [1e3 * x for x in best.along]
     even = [1e-3 * roller.largest_load / roller.roller_row.length] * 2
     half = 500.0 * roller.roller_row.length

@@ -14,8 +14,9 @@ import numpy as np
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import InputError
+from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.model_form import estimate_model_error
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.reference.tasks import flanks_to_mesh
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.lowfi.statics.result import StaticResult

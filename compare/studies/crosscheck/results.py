@@ -41,7 +41,7 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.content import Cell, TableColumn
+from rollbench.reports.content import Cell, ColumnKey
 
 T = TypeVar("T")
 
@@ -418,19 +418,18 @@ def _fit_loads_over_element_error(
 #: Largest allowed difference of a contact load between both programs [% of the mean load].
 TARGET = 0.5
 
-#: Columns that name a contact.
-PLACE = (TableColumn("ball", "ball", "", "s"), TableColumn("side", "flank", "", "s"))
+#: Columns that name a contact, each with its key in `ContactLoadComparison.cells`.
+PLACE: dict[ColumnKey, str] = {"ball": "ball", "flank": "side"}
 
 #: Columns that compare a contact's load: finest level of the 3D reference, and extrapolated load of CalculiX.
-COMPARED = (
-    TableColumn("ours", "load by the 3D reference", "N", ".2f"),
-    TableColumn("ours_percent", "uncertainty of the load by the 3D reference", "% of mean load", ".2f"),
-    TableColumn("theirs", "load by CalculiX", "N", ".2f"),
-    TableColumn("theirs_percent", "uncertainty of the load by CalculiX", "% of mean load", ".2f"),
-    TableColumn("difference", "load by the 3D reference minus load by CalculiX", "% of mean load", "+.2f"),
-)
-
-COLUMNS = (*PLACE, *COMPARED)
+COLUMNS: dict[ColumnKey, str] = {
+    **PLACE,
+    ("load_by", "the 3D reference"): "ours",
+    ("load_uncertainty_by", "the 3D reference"): "ours_percent",
+    ("load_by", "CalculiX"): "theirs",
+    ("load_uncertainty_by", "CalculiX"): "theirs_percent",
+    "reference_minus_calculix": "difference",
+}
 
 
 @dataclass(frozen=True)
@@ -456,7 +455,7 @@ class ContactLoadComparison:
 
     def cells(self) -> dict[str, Cell]:
         """Return the values of this contact as a table row, by the key of the table column."""
-        compared: dict[str, Cell] = {q.key: getattr(self, q.key) for q in COMPARED}
+        compared: dict[str, Cell] = {key: getattr(self, key) for key in COLUMNS.values() if key not in PLACE.values()}
         return {"ball": str(self.ball), "side": self.side, **self.meshes, **compared}
 
 
@@ -503,15 +502,14 @@ def compare_contact_loads(
     return rows
 
 
-def columns_of_contact_load_table(data: CalculixRunsOfScene, reference: Reference) -> list[TableColumn]:
-    """Return the columns of the table that compares contact loads by 3D reference and CalculiX: contact, loads, difference.
+def columns_of_contact_load_table(data: CalculixRunsOfScene, reference: Reference) -> dict[ColumnKey, str]:
+    """Return the columns of the table of contact loads on every mesh of both programs, as `COLUMNS`.
 
     ``data``: solutions by CalculiX; ``reference``: the 3D reference with its solutions on several mesh levels.
     """
-    loads = {f"level {r.level}": f"load by the 3D reference, mesh level {r.level}" for r in reference.runs}
-    decks = [deck_label(r) for r in runs_with_common_contact_stiffness(data)]
-    loads |= {label: f"load by CalculiX, {label}" for label in decks}
-    return [*PLACE, *(TableColumn(key, heading, "N", ".2f") for key, heading in loads.items())]
+    columns = PLACE | {("load_by", f"the 3D reference, mesh level {r.level}"): f"level {r.level}" for r in reference.runs}
+    decks = map(deck_label, runs_with_common_contact_stiffness(data))
+    return columns | {("load_by", f"CalculiX, {label}"): label for label in decks}
 
 
 def agreement_sentence(name: str, rows: Sequence[ContactLoadComparison]) -> str:

@@ -12,31 +12,23 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare import quantities
+from rollbench.compare.case import brought_by_cases
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.friction_sums import friction_results_json, friction_torques
+from rollbench.compare.models.friction_sums import friction_torques
 from rollbench.compare.models.friction_torques import FrictionTorques
 from rollbench.compare.models.load_cases import motor_torques_and_inertias
 from rollbench.compare.models.loading import absolute_axial_preload
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.models.set_results import SetResult as ResultOfSet
-from rollbench.compare.quantities import format_range, json_number
-from rollbench.compare.results import data as records
-from rollbench.compare.results.data import FrictionCases, FrictionOfSet
+from rollbench.compare.results import friction as records
+from rollbench.compare.results.friction import FrictionCases, FrictionOfRollers, FrictionOfSet
 from rollbench.compare.results.solving import solve_shaft
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import kind_of_scene
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.studies.friction import whole as friction_whole
-from rollbench.compare.studies.friction.answer import (
-    NOTHING,
-    FrictionAnswer,
-    format_three_digits,
-    from_fields,
-    power_balance,
-)
-from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.state import FrictionCase, FrictionState, friction_states
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.statics.result import AxisResult, SetResult
@@ -44,7 +36,7 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Friction, Motion, Scene
 
 
-def solve_friction_of_named_scene(name: str, choices: friction_whole.FrictionChoices) -> FrictionAnswer:
+def solve_friction_of_named_scene(name: str, choices: friction_whole.FrictionChoices) -> records.Friction:
     """Compute the friction of a scene that is given by its name in the package or by its file.
 
     Parameters
@@ -56,7 +48,7 @@ def solve_friction_of_named_scene(name: str, choices: friction_whole.FrictionCho
 
     Returns
     -------
-    FrictionAnswer
+    Friction
         Torques, losses and motion of the balls.
 
     Raises
@@ -67,7 +59,7 @@ def solve_friction_of_named_scene(name: str, choices: friction_whole.FrictionCho
     return solve_friction_of_scene(catalogue.scene_of_any_kind(name), choices, name)
 
 
-def solve_friction_of_scene(scene: Described, choices: friction_whole.FrictionChoices, origin: str) -> FrictionAnswer:
+def solve_friction_of_scene(scene: Described, choices: friction_whole.FrictionChoices, origin: str) -> records.Friction:
     """Compute the friction of a scene of any kind.
 
     Parameters
@@ -81,7 +73,7 @@ def solve_friction_of_scene(scene: Described, choices: friction_whole.FrictionCh
 
     Returns
     -------
-    FrictionAnswer
+    Friction
         Torques, losses and motion of the balls.
 
     Raises
@@ -102,50 +94,12 @@ def solve_friction_of_scene(scene: Described, choices: friction_whole.FrictionCh
         )
         given = f"at least one of these arguments for {origin}"
         raise ArgumentError("model, mu, member, condensed", given, "these only for a whole screw, bearing or shaft", advice)
-    from rollbench.compare.studies.friction.kinds import solve_friction_of_single_parts
-
-    return solve_friction_of_single_parts(scene)
+    found: records.Friction = brought_by_cases("friction")[scene.kind](scene)
+    return found
 
 
 #: Note if the scene states no coefficient of friction for its balls.
 NO_COEFFICIENT = "No coefficient of friction is given: torques of bearings are those of the formulas."
-
-#: Columns of the table of nuts and ball bearings.
-SET_COLUMNS: tuple[Column, ...] = (
-    ("set", "set", "s"),
-    ("name", "name", "s"),
-    ("friction_torque_Nmm", "friction torque N mm", ".5g"),
-    ("drag_torque_Nmm", "drag torque N mm", ".5g"),
-    ("axial_load_N", "axial load N", ".5g"),
-    ("driving_torque_on_screw_Nmm", "torque on the shaft N mm", ".5g"),
-    ("loss_W", "loss W", ".5g"),
-)
-
-#: Columns of the table of torques that turn the shaft.
-DRIVE_COLUMNS: tuple[Column, ...] = (
-    ("name", "name", "s"),
-    ("running_Nmm", "at constant speed N mm", "s"),
-    ("starting_Nmm", "from rest N mm", "s"),
-    ("seals_Nmm", "seals as given N mm", ".4g"),
-)
-#: Columns of the table of rows of tapered rollers.
-ROLLER_COLUMNS: tuple[Column, ...] = (
-    ("name", "name", "s"),
-    ("torque", "friction torque N mm", "s"),
-    ("torque_in_lbf", "in-lbf", "s"),
-    ("timken_Nmm", "by Timken N mm", ".6g"),
-    ("timken_in_lbf", "in-lbf", ".4g"),
-)
-
-#: One inch times one pound-force [N mm].
-INCH_POUND = 25.4 * 4.4482216152605
-
-#: Columns of the table over the coefficient of friction.
-OVER_COLUMNS: tuple[Column, ...] = (
-    ("screw", "coefficient", ".4g"),
-    ("friction_torque_Nmm", "friction torque N mm", ".5g"),
-    ("driving_torque_on_screw_Nmm", "torque on the shaft N mm", ".5g"),
-)
 
 #: Keys of the torques of a shaft, in the order of the JSON.
 SHAFT_KEYS = (
@@ -159,14 +113,23 @@ SHAFT_KEYS = (
     "efficiency_backward_percent",
 )
 
-#: First entries of the JSON of a shaft.
-HEAD = from_fields("scene", "title", "kind", "model", "status", "converged")
+#: First keys of the JSON of a shaft.
+HEAD = ("scene", "title", "kind", "model", "status", "converged")
+
+#: Keys of the JSON of a shaft.
+KEYS = (
+    *(*HEAD, "law", "friction.screw", "friction.nut", "motion.turns", "motion.speed_rad_s", "sets", "balls"),
+    *(f"torque.{key}" for key in SHAFT_KEYS),
+    *("drive", "band", "losses.total_W", "losses.by_contact_W", *answer.BALANCE_KEYS),
+    *("energy.axial_load_power_W", "energy.torque_power_W", "energy.efficiency_percent"),
+    *friction_whole.REMARKS,
+)
 
 #: Nuts and ball bearings of a shaft: number from 0, static result and friction.
 SolvedSets = list[tuple[int, SetResult, FrictionState]]
 
 
-def solve_friction_of_shaft(assembly: Assembly, choices: friction_whole.FrictionChoices) -> FrictionAnswer:
+def solve_friction_of_shaft(assembly: Assembly, choices: friction_whole.FrictionChoices) -> records.Friction:
     """Compute the friction of every nut and ball bearing on a shaft, and the torque that turns the shaft.
 
     ``choices``: model, coefficients of friction and number of the specimen (draw of random errors). Raises InputError
@@ -186,23 +149,18 @@ def solve_friction_of_shaft(assembly: Assembly, choices: friction_whole.Friction
     assert isinstance(result, AxisResult)
     head: dict[str, Any] = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}
     if not solved.converged:
-        status, entries = f"contact loads: {result.status}", HEAD | friction_whole.REMARKS
-        record = records.Friction(**head, reason=status, converged=False, assumed=assembly.assumed, entries=entries)
-        return FrictionAnswer(record)
+        status, keys = f"contact loads: {result.status}", (*HEAD, *friction_whole.REMARKS)
+        return records.Friction(**head, reason=status, converged=False, assumed=assembly.assumed, keys=keys)
     if not pairs:
         return _answer_on_shaft(head, assembly, result, solved.sets, (Friction(0.0, 0.0), motion, [], {}))
     each = _friction_of_nuts_and_bearings(result, pairs, motion)
     drag = _drag_torques_of_nuts_and_bearings(assembly, result, pairs[0], motion)
     found = _answer_on_shaft(head, assembly, result, solved.sets, (pairs[0], motion, each[0], drag))
-    over = [
-        {"screw": f.screw, "nut": f.nut} | FrictionTorques(**_torques_of_shaft(states, {})).torques_as_json(SHAFT_KEYS)
+    over = (
+        records.FrictionAtCoefficients(screw=f.screw, nut=f.nut, keys=SHAFT_KEYS, **_torques_of_shaft(states, {}))
         for f, states in zip(pairs, each, strict=True)
-    ]
-    tables = list(found.tables)
-    if len(pairs) > 1:
-        tables.append(("over the coefficient of friction", OVER_COLUMNS, over))
-    record = replace(found.record, entries={**found.record.entries, "over_friction": over})
-    return replace(found, record=record, tables=tables)
+    )
+    return replace(found, over=tuple(over), keys=(*found.keys, "over_friction"))
 
 
 def _friction_coefficients_of_shaft(assembly: Assembly, mu: Sequence[float]) -> list[Friction]:
@@ -257,7 +215,7 @@ def _answer_on_shaft(
     result: AxisResult,
     sets: Mapping[str, ResultOfSet],
     found: tuple[Friction, Motion, SolvedSets, dict[int, float]],
-) -> FrictionAnswer:
+) -> records.Friction:
     """Return the friction of a shaft with several nuts and bearings, with tables and text lines.
 
     ``head``: fields on scene and model; ``result``: static solution of the shaft; ``sets``: results of its nuts and
@@ -266,7 +224,7 @@ def _answer_on_shaft(
     """
     friction, motion, solved, drag = found
     rubbing = {
-        s.of.name: replace(sets[s.of.name], friction=friction_results_json(x.friction_sums, None))
+        s.of.name: replace(sets[s.of.name], friction=FrictionTorques(**friction_torques(x.friction_sums)))
         for _, s, x in solved
         if x.all_balanced
     }
@@ -280,26 +238,35 @@ def _answer_on_shaft(
     balls = tuple(
         ball for i, s, x in solved if s.balls is not None for ball in answer.balls_with_friction(s.balls, x, i + 1)
     )
-    losses = [{"set": i + 1} | row for i, _, state in solved for row in answer.losses_by_contact_and_cause(state)]
+    losses = (answer.losses_by_contact_and_cause(state, number=i + 1) for i, _, state in solved)
     failed = next((x for x in solved if not x[2].all_balanced), None)
-    torques, imbalance = _torques_of_shaft(solved, drag), [x.ball_friction.largest_imbalance_ratio for _, _, x in solved]
+    imbalance = [x.ball_friction.largest_imbalance_ratio for _, _, x in solved]
     of_rollers = tuple(f"{s.of.name}: " for s in result.sets if s.balls is None)  # whose loads friction leaves as they are
     warnings = [w for w in result.warnings if w.startswith(of_rollers)]
     warnings += answer.warnings_without_pressure_and_size([w for w in result.warnings if not w.startswith(of_rollers)])
     for _, s, state in solved:
         if isinstance(s.of.parts, Scene):
             warnings += [w.with_part_name(s.of.name) for w in answer.friction_warnings(s.of.parts, friction, state, ())]
-    loss = float(sum(x.friction_sums.power for _, _, x in solved))
-    found_on_shaft = records.Friction(
+    rollers = tuple(
+        FrictionOfRollers(set=i, name=name, torque=x.torque)
+        for i, (name, x) in enumerate(sets.items(), 1)
+        if x.torque is not None
+    )
+    return records.Friction(
         **head,
-        **torques,
+        **_torques_of_shaft(solved, drag),
+        **_powers_of_shaft(solved),
         reason="converged" if failed is None else f"{failed[1].of.name}: {friction_whole.friction_status(failed[2])}",
         converged=failed is None,
+        law="coulomb",
         screw_coefficient=friction.screw,
         nut_coefficient=friction.nut,
         turns=motion.turns,
         speed=motion.speed,
-        loss=loss,
+        by_contact=tuple(row for rows in losses for row in rows),
+        residual=result.solver.residual,
+        imbalance=max(imbalance, default=0.0),
+        roller_torques=rollers,
         sets=each,
         balls=balls,
         drive=drive,
@@ -313,35 +280,8 @@ def _answer_on_shaft(
         ),
         left_out=tuple(answer.effects_neglected_at_one_instant(friction) if solved else ()),
         warnings=tuple(warnings),
-        entries={
-            **HEAD,
-            "law": "coulomb",
-            **from_fields("friction.screw", "friction.nut", "motion.turns", "motion.speed_rad_s", "sets", "balls"),
-            **from_fields(*(f"torque.{key}" for key in SHAFT_KEYS), "drive", "band", "losses.total_W"),
-            "losses.by_contact_W": losses,
-            **_powers_of_shaft(solved, loss),
-            **friction_whole.REMARKS,
-        },
+        keys=(*KEYS, "roller_torques") if rollers else KEYS,
     )
-    every = [("per ball", (("set", "set", "s"), *answer.BALL_COLUMNS), answer.terminal_ball_rows(balls))]
-    text = (
-        f"{1e3 * torques['driving_torque_on_screw']:+.3g} N mm about +z drive the shaft at {motion.speed:.6g} rad/s at its "
-        f"ball nuts and ball bearings; their friction torque {format_three_digits(1e3 * torques['torque'])} N mm"
-    )
-    left = answer.line_on_remaining_imbalance(result.solver.residual, max(imbalance, default=0.0))
-    lines = [("torque", text), left] if solved else [left]
-    rows = [one.as_json() for one in each]
-    tables = [("ball nuts and ball bearings: friction of their contacts", SET_COLUMNS, rows)] if solved else []
-    whole = [
-        {k: format_range(x[k]) if form == "s" and k.endswith("Nmm") else x[k] for k, _, form in DRIVE_COLUMNS}
-        for x in (quantities.record_as_json(drive) or {}).get("sets", ())
-    ]
-    tables.append(("torque that turns the shaft", DRIVE_COLUMNS, whole))
-    if rollers := _torques_of_roller_rows(sets):
-        found_on_shaft = replace(found_on_shaft, entries={**found_on_shaft.entries, "roller_torques": rollers})
-        title = "rows of tapered rollers: friction torque (from 0.03 to 0.15 of rib friction where none is given)"
-        tables.append((title, ROLLER_COLUMNS, [_row_of_roller_torque(x) for x in rollers]))
-    return FrictionAnswer(found_on_shaft, tables, lines, every)
 
 
 def _drag_torque_of_nuts_by_makers_formula(
@@ -366,39 +306,22 @@ def _drag_torque_of_nuts_by_makers_formula(
     )
 
 
-def _torques_of_roller_rows(sets: Mapping[str, ResultOfSet]) -> list[dict[str, Any]]:
-    """Return the friction torques of all loaded rows of tapered rollers on a shaft as JSON, with number and name."""
-    return [
-        {"set": i, "name": x.name, **quantities.record_as_json(x.torque)}
-        for i, x in enumerate(sets.values(), 1)
-        if x.torque is not None
-    ]
-
-
-def _row_of_roller_torque(torque: dict[str, Any]) -> dict[str, Any]:
-    """Return the cells of `ROLLER_COLUMNS` for one row of rollers, from the JSON of its friction torque."""
-    ends, timken = torque["band_Nmm"], torque["timken_Nmm"]
-    inch_pounds = {"timken_in_lbf": None if timken is None else timken / INCH_POUND}
-    ranges = {"torque": format_range(ends), "torque_in_lbf": format_range([x / INCH_POUND for x in ends])}
-    return torque | ranges | inch_pounds
-
-
-def _powers_of_shaft(solved: SolvedSets, loss: float) -> dict[str, Any]:
+def _powers_of_shaft(solved: SolvedSets) -> dict[str, Any]:
     """Return input power, losses and further powers [W], summed over nuts and ball bearings of a shaft, and the efficiency.
 
     Powers are input power and friction loss of the contacts, power of the driving torque, and power of the axial loads. The
     efficiency is None unless the torque does work against the axial loads, or the axial loads do work against the torque.
-    The powers and the efficiency are entries of the JSON; the loss is a field of the record.
+    They are fields of `Friction`.
     """
     torques = [x.friction_sums for _, _, x in solved]
     turning = float(np.sum([t.driving_torque_on_screw * t.speed for t in torques]))
     along = float(np.sum([t.axial_load * t.advance_per_radian * t.speed for t in torques]))
     taken = float(np.sum([t.input_power for t in torques]))
     driving, driven = max(turning, along), min(turning, along)
-    return power_balance(taken, loss) | {
-        "energy.axial_load_power_W": json_number(along),
-        "energy.torque_power_W": json_number(turning),
-        "energy.efficiency_percent": json_number(-100.0 * driven / driving) if driven < -NOTHING * driving else None,
+    return answer.power_balance(taken, float(sum(t.power for t in torques))) | {
+        "load_power": along,
+        "torque_power": turning,
+        "power_efficiency": -100.0 * driven / driving if driven < -answer.NOTHING * driving else None,
     }
 
 
@@ -417,7 +340,7 @@ def _torques_of_shaft(solved: SolvedSets, drag: dict[int, float]) -> dict[str, A
     frictionless, size = abs(moved), sum(abs(t.advance_per_radian * t.axial_load) for t in torques)
     with_load = bool(torques) and moved * torques[0].speed > 0.0
     against, back = (reverse, rubs) if with_load else (rubs, reverse)
-    loaded = frictionless > NOTHING * size
+    loaded = frictionless > answer.NOTHING * size
     return {
         "torque": rubs,
         "reverse_torque": reverse,
@@ -430,18 +353,7 @@ def _torques_of_shaft(solved: SolvedSets, drag: dict[int, float]) -> dict[str, A
     }
 
 
-#: Columns of the table of load cases.
-COLUMNS = (
-    ("case", "case", "s"),
-    ("share", "share", ".4g"),
-    ("axial_load_N", "axial load N", ".5g"),
-    ("friction_torque_Nmm", "friction torque N mm", ".5g"),
-    ("drag_torque_Nmm", "drag N mm", ".4g"),
-    ("efficiency_forward_percent", "efficiency %", ".4g"),
-)
-
-
-def solve_friction_of_duty_cycle(cycle: DutyCycle, choices: friction_whole.FrictionChoices) -> FrictionAnswer:
+def solve_friction_of_duty_cycle(cycle: DutyCycle, choices: friction_whole.FrictionChoices) -> records.Friction:
     """Compute the friction of every load case of a duty cycle, and the mean friction torque over all revolutions.
 
     The mean torque is the work of friction in all revolutions divided by their angle. If a load case does not converge, the
@@ -450,13 +362,7 @@ def solve_friction_of_duty_cycle(cycle: DutyCycle, choices: friction_whole.Frict
     """
     answers = [solve_friction_of_scene(case.scene, choices, cycle.name) for case in cycle.cases]
     each = [
-        replace(
-            one.record,
-            scene=cycle.name,
-            case=case.name,
-            share=case.share,
-            entries=from_fields("case", "share") | dict(one.record.entries),
-        )
+        replace(one, scene=cycle.name, case=case.name, share=case.share, keys=("case", "share", *one.keys))
         for case, one in zip(cycle.cases, answers, strict=True)
     ]
     failed = [one.case for one in each if not one.converged]
@@ -465,12 +371,7 @@ def solve_friction_of_duty_cycle(cycle: DutyCycle, choices: friction_whole.Frict
     turned = [(one.share or 0.0, one.torque if one.converged else None) for one in each if one.share]
     mean = None if any(torque is None for _, torque in turned) else sum(share * (torque or 0.0) for share, torque in turned)
     words = "" if mean is not None else f"none, because case {failed[0]} has no friction" if failed else "no load"
-    largest = "none" if worst[0] is None else f"{format_three_digits(1e3 * worst[0])} N mm in case {worst[1]}"
-    known_mean = words if mean is None else f"{format_three_digits(1e3 * mean)} N mm"
-    lines = [("torque", f"largest of friction {largest}; mean over the duty cycle {known_mean}")]
-    for one, answer_of_case in zip(each, answers, strict=True):
-        lines += [("", ""), ("case", f"{one.case}, share {one.share:.4g}: {one.reason}"), *answer_of_case.lines]
-    record = records.Friction(
+    return records.Friction(
         scene=cycle.name,
         title=cycle.title,
         kind=kind_of_scene(cycle),
@@ -481,15 +382,5 @@ def solve_friction_of_duty_cycle(cycle: DutyCycle, choices: friction_whole.Frict
         assumed=tuple(dict.fromkeys(line for one in each for line in one.assumed)),
         left_out=tuple(dict.fromkeys(line for one in each for line in one.left_out)),
         warnings=tuple(w.with_part_name(f"case {one.case}") for one in each for w in one.warnings),
-        entries=from_fields("scene", "title", "kind", "status", "converged", "summary", "cases") | friction_whole.REMARKS,
+        keys=("scene", "title", "kind", "status", "converged", "summary", "cases", *friction_whole.REMARKS),
     )
-    rows = [{"case": one.case, "share": one.share} | one.torques_as_json([key for key, *_ in COLUMNS[2:]]) for one in each]
-    tables, balls = (
-        [
-            (f"case {one.case}: {title}", columns, body)
-            for one, of in zip(each, all_of, strict=True)
-            for title, columns, body in of
-        ]
-        for all_of in ([one.tables for one in answers], [one.ball_tables for one in answers])
-    )
-    return FrictionAnswer(record, [("load cases", COLUMNS, rows), *tables], lines, balls)

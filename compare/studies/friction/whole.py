@@ -19,14 +19,15 @@ from rollbench.compare.models.answers import results_of_contact_loads, warnings_
 from rollbench.compare.models.friction_sums import friction_torques, without_times_and_warnings
 from rollbench.compare.models.friction_torques import TORQUE_KEYS
 from rollbench.compare.models.loading import preload_from_unloaded
-from rollbench.compare.models.registry import DEFAULT, ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import DEFAULT, run_model
 from rollbench.compare.quantities import count_with_noun, json_number
-from rollbench.compare.results import data as records
-from rollbench.compare.results.data import FrictionBand, FrictionOnset, FrictionPlay
+from rollbench.compare.results import friction as records
+from rollbench.compare.results.friction import FrictionBand, FrictionOnset, FrictionPlay
 from rollbench.compare.scenes.scene_file import kind_of_scene
 from rollbench.compare.studies.friction import answer as output
 from rollbench.compare.studies.friction import run as friction_run
-from rollbench.compare.studies.friction.answer import FrictionAnswer, Line, format_three_digits, from_fields, power_balance
+from rollbench.compare.text.friction import WIDE, format_three_digits, heathcote_slip_clause
 from rollbench.lowfi.friction.whole.circuit import contact_onset
 from rollbench.lowfi.friction.whole.state import FrictionCase, FrictionState, friction_of_curved_contacts, friction_states
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
@@ -52,10 +53,6 @@ FED_BACK = 1.5
 
 #: Smaller coefficients of friction at which the note states this factor.
 SMALLER_COEFFICIENTS = (0.03, 0.01)
-
-#: Relative change of the contact losses by Heathcote slip above which a warning is given.
-WIDE = 0.03
-
 
 _friction_states_on_disk = each_cached_on_disk(FrictionState)(friction_states)
 
@@ -170,22 +167,6 @@ def torques_at_measured_coefficients(solved: StaticallySolvedPart, result: Stati
     )
 
 
-def lines_on_drag_torque(band: FrictionBand) -> list[Line]:
-    """Return a terminal line (label, text) on the drag torque at both measured coefficients and by the makers' formula.
-
-    The list is empty for a scene without preload. ``band``: `torques_at_measured_coefficients`.
-    """
-    if band.makers is None:
-        return []
-    torques = " to ".join("(none found)" if x is None else f"{1e3 * x:.3g}" for x in band.drag_torque or ())
-    text = (
-        f"without load {torques} N mm at coefficients of friction from {MEASURED[0]:g} "
-        f"to {MEASURED[1]:g}; makers' formula 0.05/sqrt(tan(lead angle)) F l/(2 pi) for the preload of "
-        f"{band.preload:.4g} N: {format_three_digits(1e3 * band.makers)} N mm"
-    )
-    return [("drag", text)]
-
-
 def result_with_play(solved: StaticallySolvedPart, result: StaticResult) -> tuple[Scene, StaticResult] | None:
     """Return a screw with balls that are smaller by `SMALLER` in radius, which have play, and its static result.
 
@@ -278,8 +259,8 @@ def onset_of_ball_to_ball_contact(
         standing, rolling = (contact_onset(solved.scene, result, idle, solved.motion, orbits) for idle in (0.0, 1.0))
     except ValueError:  # overlapping balls or impossible circuits: no statement on neighbours
         return None
-    factor = None
-    if with_scaled_geometric_errors(solved.scene, 0.0) != solved.scene:
+    factor, has_errors = None, with_scaled_geometric_errors(solved.scene, 0.0) != solved.scene
+    if has_errors:
         known = {1.0: standing.touches_under_load}
         tried = (x for x in (0.0, *FACTORS) if (known[x] if x in known else balls_touch_with_scaled_errors(x)))
         factor = next(tried, None)
@@ -299,38 +280,8 @@ def onset_of_ball_to_ball_contact(
         pairs=len(standing.neighbour_pairs),
         unloaded=int((standing.contact_load_sums == 0.0).sum()),
         factor=factor,
+        has_errors=has_errors,
     )
-
-
-def line_on_ball_to_ball_contact(onset: FrictionOnset, turns: str, errors: bool) -> Line:
-    """Return a terminal line (label, text) on whether neighbouring balls come to touch, and after which rotation.
-
-    ``onset``: angles at which balls touch, from `onset_of_ball_to_ball_contact`; ``turns``: name of the turning part, such
-    as "screw"; ``errors``: whether the scene has geometric errors.
-    """
-
-    def angle_text(value: float | None) -> str:
-        """Return a clause on the rotation ``value`` [rad] after which balls meet; "never" if it is None."""
-        return "never" if value is None else f"after {format_three_digits(np.degrees(value))} deg of the {turns}"
-
-    text = f"neighbours {'touch' if onset.touch else 'do not touch'}"
-    if onset.first is None:
-        text += ": none approach each other"
-    else:
-        text += (
-            f": {onset.closing} of {onset.pairs} pairs approach each other, balls {onset.ball} and the next meet "
-            f"{angle_text(onset.first)}"
-        )
-        text += "" if onset.touch else ", but only after they have left their loaded arc or gone round once"
-    if onset.unloaded:
-        stand, roll = count_with_noun(onset.unloaded, "unloaded ball"), angle_text(onset.rolling)
-        text += f"; this holds if the {stand} stand still, {roll} if they roll along"
-    if errors and onset.factor is None:
-        text += "; with up to 16 times the geometric errors of the scene they do not touch"
-    elif errors:
-        where = f"from {onset.factor:.2g} times the scene's errors on" if onset.factor else "without errors too"
-        text += f"; they touch {where}"
-    return "touch", text
 
 
 def notes_on_friction_feedback(
@@ -450,7 +401,7 @@ def solve_friction_of_all_cases(
     solved.known.states(cases)
 
 
-def solve_friction_of_screw_or_bearing(scene: Scene, choices: FrictionChoices) -> FrictionAnswer:
+def solve_friction_of_screw_or_bearing(scene: Scene, choices: FrictionChoices) -> records.Friction:
     """Compute contact loads of a screw or bearing by a static model, then its friction for every friction coefficient.
 
     Parameters
@@ -463,8 +414,8 @@ def solve_friction_of_screw_or_bearing(scene: Scene, choices: FrictionChoices) -
 
     Returns
     -------
-    FrictionAnswer
-        The friction, with tables and text lines.
+    Friction
+        The friction.
 
     Raises
     ------
@@ -486,8 +437,7 @@ def solve_friction_of_screw_or_bearing(scene: Scene, choices: FrictionChoices) -
     head["member"] = choices.member if scene.errors.random else None
     if not result.converged:
         status = f"contact loads: {result.status}"
-        record = records.Friction(**head, reason=status, converged=False, assumed=scene.assumed, entries=HEAD | REMARKS)
-        return FrictionAnswer(record)
+        return records.Friction(**head, reason=status, converged=False, assumed=scene.assumed, keys=(*HEAD, *REMARKS))
     motion = scene.motion or ONE_TURN
     bare = result if not has_external_loads(scene) else run_model(replace(scene, loads=()), model, options)
     solved = StaticallySolvedPart(scene, model, options, pairs[0], motion, bare)
@@ -500,27 +450,20 @@ def solve_friction_of_screw_or_bearing(scene: Scene, choices: FrictionChoices) -
             scene.name, "balls", str(error), "increase the angles between the balls, or set friction.neighbours = false"
         ) from error
     drags = drag_torques(solved, states, pairs)
-    answer = _build_friction_answer(scene, result, head, (pairs, states, drags), (solved, with_play))
+    found = replace(
+        friction_of_solved_loads(solved, result, head, (pairs, states, drags)),
+        band=torques_at_measured_coefficients(solved, result),
+        play=None if with_play is None else torque_with_play(solved, states[0], with_play),
+        onset=onset_of_ball_to_ball_contact(solved, result, states[0]) if states[0].loaded else None,
+    )
+    if found.play is not None:
+        found = replace(found, warnings=(play_warning(found.play), *found.warnings))
     if scene.time is None:
-        return answer
+        return found
     run = friction_run.simulate_friction_over_time(scene, pairs[0], motion, model, choices.member)
-    return _add_transient_run(answer, run)
-
-
-def _add_transient_run(answer: FrictionAnswer, run: friction_run.TransientRun) -> FrictionAnswer:
-    """Add status, tables and lines of a simulation over time to a friction result at one instant, and return both.
-
-    ``answer``: friction at the instant that the scene describes; ``run``: simulation over time of the same screw.
-    """
-    found = answer.record
-    entries = {**found.entries, "run": friction_run.transient_simulation_as_json(run)}
     if found.converged and not run.converged:
         found = replace(found, reason=f"simulation over time: {run.status}", converged=False)
-    tables = list(answer.tables)
-    if run.history.begun_step_count:
-        tables.append(("torque over the angle", friction_run.COLUMNS, friction_run.torque_rows_over_angle(run.history)))
-    lines = [*answer.lines, *friction_run.lines_on_simulation(run)]
-    return FrictionAnswer(replace(found, entries=entries), tables, lines, answer.ball_tables)
+    return replace(found, run=run, keys=(*found.keys, "run"))
 
 
 def has_external_loads(scene: Scene) -> bool:
@@ -608,111 +551,92 @@ def friction_status(state: FrictionState) -> str:
     return "converged" if state.loaded else "converged: no contact carries load, so that nothing rubs"
 
 
-#: First and last entries of the JSON of a screw or bearing.
-HEAD = from_fields("scene", "title", "kind", "model", "member", "status", "converged")
-REMARKS = from_fields("assumed", "left_out", "warnings")
+#: First and last keys of the JSON of a screw or bearing.
+HEAD = ("scene", "title", "kind", "model", "member", "status", "converged")
+REMARKS = ("assumed", "left_out", "warnings")
+
+#: Keys of the JSON of a screw or bearing.
+KEYS = (
+    *HEAD,
+    *("law", "coupled", "friction.screw", "friction.nut", "motion.turns", "motion.speed_rad_s", "balls"),
+    *(f"torque.{key}" for key in TORQUE_KEYS),
+    *("band", "onset", "play", "drag_unknown", "drag_note", "over_friction", "losses.total_W", "losses.by_contact_W"),
+    *("losses.between_balls_W", "losses.heathcote_percent", *output.BALANCE_KEYS),
+    *("energy.axial_load_power_W", "energy.torque_power_W"),
+    *("feedback.friction_torque_without_Nmm", "feedback.unsettled_balls", "feedback.axial_friction_on_screw_N"),
+    *("feedback.balls_touching", "feedback.friction_over_load"),
+    *("solver.static_residual", "solver.friction_imbalance", "solver.feedback_change", "solver.second_states"),
+    *REMARKS,
+)
+
+#: Keys of the torques for each pair of coefficients of friction.
+OVER_KEYS = (
+    *("friction_torque_Nmm", "drag_torque_Nmm", "forward_torque_Nmm", "backward_torque_Nmm"),
+    *("efficiency_forward_percent", "efficiency_backward_percent", "self_locking"),
+)
 
 #: Coefficients of friction of screw and nut, then for each pair of them the friction, then the drag torque.
-SolvedPairs = tuple[list[Friction], list[FrictionState], list[DragTorque]]
+SolvedPairs = tuple[Sequence[Friction], Sequence[FrictionState], Sequence[DragTorque]]
 
 
-def _build_friction_answer(
-    scene: Scene,
-    result: StaticResult,
-    head: dict[str, Any],
-    solved: SolvedPairs,
-    others: tuple[StaticallySolvedPart, tuple[Scene, StaticResult] | None],
-) -> FrictionAnswer:
-    """Return the friction of a whole screw or bearing, with tables and lines.
+def friction_of_solved_loads(
+    solved: StaticallySolvedPart, result: StaticResult, head: dict[str, Any], pairs: SolvedPairs
+) -> records.Friction:
+    """Return the friction of a whole screw or bearing, without other coefficients of friction, play and time.
 
-    ``result``: static result under the loads; ``head``: fields on scene and model; ``solved``: coefficients of
-    friction, then the friction and the drag torque for each pair of them; ``others``: the scene with its static result
-    without loads, from which the torque is also computed for other coefficients of friction, and what `result_with_play`
-    returns.
+    ``solved``: the scene with its static result without loads; ``result``: static result under the loads; ``head``: fields
+    on scene and model; ``pairs``: coefficients of friction, then the friction and the drag torque for each pair of them.
     """
-    (friction, *_), (state, *_), (drag, *_) = solved
-    unloaded, with_play = others
-    motion = scene.motion or ONE_TURN
-    good = all(s.all_balanced for s in solved[1])
-    status = friction_status(next((s for s in solved[1] if not s.all_balanced), state))
-    flat, curved = friction_of_curved_contacts(unloaded.case(result, friction), state) if state.loaded else (None, None)
-    balls, losses = output.balls_with_friction(result, state), output.losses_by_contact_and_cause(state, curved)
-    over = [output.torque_row_for_coefficients(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
+    (friction, *_), (state, *_), (drag, *_) = pairs
+    scene = solved.scene
+    status = friction_status(next((s for s in pairs[1] if not s.all_balanced), state))
+    flat, curved = friction_of_curved_contacts(solved.case(result, friction), state) if state.loaded else (None, None)
     # assumptions of the model alone are marked, because the model neglects friction
     of_loads = [line if line in scene.assumed else f"contact loads: {line}" for line in result.assumed]
-    assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *of_loads]
-    wide = torques_at_measured_coefficients(unloaded, result)
-    played = None if with_play is None else torque_with_play(unloaded, state, with_play)
-    near = onset_of_ball_to_ball_contact(unloaded, result, state) if state.loaded else None
-    held = axial_preload(unloaded)
     e, slip = state.friction_sums, output.change_of_losses(flat, curved)
-    between = 0.0 if state.neighbour_friction is None else state.neighbour_friction.power_lost_between_balls
     loads = results_of_contact_loads(scene, result.load, result.contact_angle, result.member)
-    warnings = [] if played is None else [play_warning(played)]
-    warnings += [*result.warnings, *warnings_of_set(loads, held), *notes_on_friction_feedback(unloaded, result, state)]
+    warnings = [*result.warnings, *warnings_of_set(loads, axial_preload(solved))]
+    warnings += notes_on_friction_feedback(solved, result, state)
     if abs(slip) > WIDE:
-        text = f"the contacts are so wide that {output.heathcote_slip_clause(slip)}"
-        warnings.append(ResultWarning("slip", text))
-    found = records.Friction(
+        warnings.append(ResultWarning("slip", f"the contacts are so wide that {heathcote_slip_clause(slip)}"))
+    over = (
+        records.FrictionAtCoefficients(
+            screw=f.screw, nut=f.nut, keys=OVER_KEYS, **friction_torques(s.friction_sums, d.torque)
+        )
+        for f, s, d in zip(*pairs, strict=True)
+    )
+    return records.Friction(
         **head,
         **friction_torques(e, drag.torque),
+        **output.power_balance(e.input_power, e.power),
         reason=status,
-        converged=good,
+        converged=all(s.all_balanced for s in pairs[1]),
+        law="coulomb",
+        coupled=state.friction_changes_loads,
         screw_coefficient=friction.screw,
         nut_coefficient=friction.nut,
-        turns=motion.turns,
-        speed=motion.speed,
-        loss=e.power,
+        turns=solved.motion.turns,
+        speed=solved.motion.speed,
+        balls=output.balls_with_friction(result, state),
+        drag_unknown=drag.reason_without_torque or None,
+        drag_note=drag.note or None,
+        over=tuple(over),
+        by_contact=output.losses_by_contact_and_cause(state, curved),
+        loss_between_balls=0.0 if state.neighbour_friction is None else state.neighbour_friction.power_lost_between_balls,
+        slip=slip,
+        load_power=e.axial_load * e.advance_per_radian * e.speed,
+        torque_power=e.driving_torque_on_screw * e.speed,
+        torque_without_feedback=state.sums_without_feedback.friction_torque,
+        unsettled_balls=len(state.unsettled_balls),
+        axial_friction=e.axial_friction_on_screw,
+        touching=output.ball_to_ball_forces(state),
+        friction_over_load=e.cross_groove_friction_ratio,
+        residual=result.solver.residual,
         imbalance=state.ball_friction.largest_imbalance_ratio,
-        balls=balls,
-        band=wide,
-        onset=near,
-        play=played,
-        assumed=tuple(assumed),
+        change=state.change,
+        jammed_balls=None if state.jammed_balls is None else tuple(k + 1 for k in state.jammed_balls),
+        assumed=(*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *of_loads),
         left_out=tuple(output.effects_neglected_at_one_instant(friction)),
         warnings=tuple(output.friction_warnings(scene, friction, state, warnings)),
-        entries={
-            **HEAD,
-            "law": "coulomb",
-            "coupled": state.friction_changes_loads,
-            **from_fields("friction.screw", "friction.nut", "motion.turns", "motion.speed_rad_s", "balls"),
-            **from_fields(*(f"torque.{key}" for key in TORQUE_KEYS), "band", "onset", "play"),
-            "drag_unknown": drag.reason_without_torque or None,
-            "drag_note": drag.note or None,
-            "over_friction": over,
-            "losses.total_W": ...,
-            "losses.by_contact_W": losses,
-            "losses.between_balls_W": json_number(between),
-            "losses.heathcote_percent": json_number(100.0 * slip),
-            **power_balance(e.input_power, e.power),
-            "energy.axial_load_power_W": json_number(e.axial_load * e.advance_per_radian * e.speed),
-            "energy.torque_power_W": json_number(e.driving_torque_on_screw * e.speed),
-            "feedback.friction_torque_without_Nmm": json_number(1e3 * state.sums_without_feedback.friction_torque),
-            "feedback.unsettled_balls": len(state.unsettled_balls),
-            "feedback.axial_friction_on_screw_N": json_number(e.axial_friction_on_screw),
-            "feedback.balls_touching": output.ball_to_ball_forces_as_json(state),
-            "feedback.friction_over_load": json_number(e.cross_groove_friction_ratio),
-            "solver.static_residual": json_number(result.solver.residual),
-            "solver.friction_imbalance": ...,
-            "solver.feedback_change": json_number(state.change),
-            "solver.second_states": None if state.jammed_balls is None else [k + 1 for k in state.jammed_balls],
-            **REMARKS,
-        },
+        keys=KEYS,
     )
-    tables = [("losses by contact and cause", output.LOSS_COLUMNS, losses)] if state.loaded else []
-    if len(over) > 1:
-        columns = output.OVER_COLUMNS[:3] if kind_of_scene(scene) == "bearing" else output.OVER_COLUMNS
-        tables.append(("over the coefficient of friction", columns, over))
-    every = [("per ball", output.BALL_COLUMNS, output.terminal_ball_rows(balls))] if state.loaded else []
-    lines = [
-        *output.lines_on_friction_of_screw(motion, state, (drag.torque, drag.reason_without_torque or drag.note)),
-        *(lines_on_drag_torque(wide) if state.loaded else ()),
-    ]
-    if near is not None:
-        turns = "inner ring" if e.advance_per_radian == 0.0 and motion.turns == "screw" else motion.turns
-        has_errors = with_scaled_geometric_errors(scene, 0.0) != scene
-        lines.append(line_on_ball_to_ball_contact(near, turns, has_errors))
-    lines.append(output.line_on_remaining_imbalance(result.solver.residual, state.ball_friction.largest_imbalance_ratio))
-    if e.friction_torque and abs(slip) <= WIDE:
-        lines.append(("slip", "contacts are not flat: " + output.heathcote_slip_clause(slip)))
-    return FrictionAnswer(found, tables, lines, every)

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 
 from rollbench.compare.measure import mean_load
 from rollbench.compare.models.loading import with_scaled_loads
-from rollbench.compare.models.registry import ModelOptions, model_by_name, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import model_by_name, run_model
 from rollbench.compare.models.stiffness import (
     PROBE,
     SceneStiffness,

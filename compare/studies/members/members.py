@@ -23,7 +23,8 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.models.many import in_order, solve_many
-from rollbench.compare.models.registry import ModelOptions, default_model_name, has_random_errors, model_by_name, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import default_model_name, has_random_errors, model_by_name, run_model
 from rollbench.compare.quantities import json_number
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.results.data import Ensemble, Statistics, output_statistics

@@ -2,28 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, TypeAlias
 
-import numpy as np
-
+from rollbench.compare.case import brought_by_cases
 from rollbench.compare.errors import SceneNotCoveredError
 from rollbench.compare.scenes.duty_cycle import FrictionScene
-from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, LinearBearingScene
-from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
-from rollbench.hifi.rolling import scenes as rolling_scenes
 from rollbench.hifi.rolling.balls import RollingSettings
 from rollbench.hifi.rolling.kinematics import RollingBalls
-from rollbench.meshes.arrays import Array
-from rollbench.meshes.parts import SIDE_SIGNS, SIDES
 
 #: Largest number of balls that the 3D model of rolling takes.
 MOST = 4
-#: Signs of the components x, y of the directions of a ball's contacts, in the order BL, BR, TR, TL (bottom left to top
-#: left) of a linear bearing, or IL, IR, OR, OL (inner left to outer left) of a rotary one.
-LINEAR = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-RING = LINEAR
-#: Whether each contact of a linear bearing is on the part that moves.
-MOVING = np.array([False, False, True, True])
 
 
 @dataclass(frozen=True)
@@ -42,8 +32,13 @@ class RollingCase:
     speed: float
     #: Names of the contacts of each ball with the grooves.
     contact_names: tuple[str, ...]
-    #: Whether the contact loads depend on friction.
-    loads_depend_on_friction: bool
+
+
+#: Values of the balls by name, and the status.
+Values: TypeAlias = tuple[dict[str, float], str]
+#: Of one kind of scenes: the function that returns a scene as input of the 3D model of rolling, given the grid of the
+#: contacts, and the function that returns its values by the low-order model.
+RollingOfKind: TypeAlias = tuple[Callable[[Any, RollingSettings], RollingCase], Callable[[Any], Values]]
 
 
 def prepare_rolling_case(scene: FrictionScene, choices: RollingSettings) -> RollingCase:
@@ -66,184 +61,14 @@ def prepare_rolling_case(scene: FrictionScene, choices: RollingSettings) -> Roll
     SceneNotCoveredError
         If the 3D model does not cover the scene.
     """
-    if isinstance(scene, LinearBearingScene):
-        return _linear_bearing_as_rolling_case(scene)
-    if isinstance(scene, ScrewPairScene):
-        return _screw_balls_as_rolling_case(scene, choices)
-    if isinstance(scene, BearingBallScene):
-        return _bearing_ball_as_rolling_case(scene)
+    makers = rolling_of_kinds()
+    if scene.kind in makers:
+        return makers[scene.kind][0](scene, choices)
     reason = f"the 3D model of rolling takes one to {MOST} balls under given loads, not a scene of the kind {scene.kind}"
-    advice = "take one of the kind linear pair, linear chain, screw pair or bearing ball"
-    raise SceneNotCoveredError(scene.name, "kind", reason, advice)
+    *kinds, last = makers
+    raise SceneNotCoveredError(scene.name, "kind", reason, f"take one of the kind {', '.join(kinds)} or {last}")
 
 
-def _refuse_scene(scene: FrictionScene, key: str, reason: str, advice: str) -> None:
-    """Raise SceneNotCoveredError for a feature of a scene that the 3D model of rolling does not cover.
-
-    ``key``: key of the scene file with this feature; ``reason`` and ``advice``: parts of the message.
-    """
-    raise SceneNotCoveredError(scene.name, key, reason, advice)
-
-
-def _contact_directions(angles: Array, signs: Array) -> Array:
-    """Return unit vectors (..., 2) along contact normals in the cross-section of the groove.
-
-    ``angles``: contact angles (...,) [rad]; ``signs``: signs of the two components (..., 2).
-    """
-    return np.asarray(signs * np.stack([np.sin(angles), np.cos(angles)], axis=-1))
-
-
-def _linear_bearing_as_rolling_case(scene: LinearBearingScene) -> RollingCase:
-    """Return a linear bearing's balls as input of the 3D model of rolling.
-
-    Raises SceneNotCoveredError for too many balls or no motion.
-    """
-    b, count = scene.bearing, len(scene.side)
-    if count > MOST:
-        reason = f"the 3D model of rolling solves at most {MOST} balls, got {count}"
-        _refuse_scene(scene, "chain", reason, "take fewer balls")
-    if b.speed == 0.0:
-        _refuse_scene(scene, "motion.carriage", "balls at rest do not roll", "let the carriage move")
-    layout = rolling_scenes.place_balls_on_straight_track(
-        b.ball_radius, 2.0 * b.conformity * b.ball_radius, count, MOVING, b.speed, np.asarray(scene.gap) <= 0.0
-    )
-    material = rolling_scenes.RollingMaterial(b.young, b.poisson, b.mu, b.mu_balls)
-    normals = _contact_directions(scene.angles, LINEAR)
-    each = [(n, float(ratio)) for n, ratio in zip(normals, scene.side, strict=True)]
-    if scene.distribution == "elastic":
-        found = [_loads_with_elastic_angles(scene, layout, material, *of_ball) for of_ball in each]
-        normals, loads = (np.array(x) for x in zip(*found, strict=True))
-    else:
-        loads = np.array([_loads_at_given_angles(scene, *of_ball) for of_ball in each])
-    whole = rolling_scenes.create_rolling_balls(layout, material, normals, loads)
-    apart = replace(whole, ball_to_ball_contacts=())
-    return RollingCase(scene.name, scene.kind, apart, whole, b.speed, ("BL", "BR", "TR", "TL"), False)
-
-
-def _loads_at_given_angles(scene: LinearBearingScene, normals: Array, rho: float) -> Array:
-    """Return the contact loads (4,) [N] in equilibrium on one ball of a linear bearing, at given contact angles.
-
-    ``normals``: contact normals (4, 2) at the bottom left, bottom right, top right and top left of the ball, which are
-    replaced by those of the nominal contact angle if the scene's distribution of loads is "diagonal"; ``rho``: side force
-    over vertical force.
-    """
-    if scene.distribution == "diagonal":
-        normals = _contact_directions(np.full(4, scene.bearing.contact_angle), LINEAR)
-    carriage = scene.vertical * np.array([rho, -1.0])
-    bottom, top = np.linalg.solve(normals[:2].T, carriage), np.linalg.solve(normals[2:].T, -carriage)
-    return np.asarray(np.maximum(np.concatenate([bottom, top]), 0.0))
-
-
-def _loads_with_elastic_angles(
-    scene: LinearBearingScene,
-    layout: rolling_scenes.BallLayoutOnTrack,
-    material: rolling_scenes.RollingMaterial,
-    normals: Array,
-    rho: float,
-) -> tuple[Array, Array]:
-    """Return contact normals (4, 2), then contact loads (4,) [N], of a linear bearing's ball with elastic contact angles.
-
-    ``layout``: geometry of the balls; ``normals``: contact normals without load (4, 2); ``rho``: side force over
-    vertical force.
-    """
-    C = rolling_scenes.hertz_constants(layout, material)
-    pull = scene.vertical * np.array([rho, -1.0])
-    reach = layout.groove_radius - layout.ball_radius
-    none, tight = np.zeros((1, 2)), np.zeros((1, 4))
-    problem = rolling_scenes.StaticProblem(normals[None], reach, tight, C[None], MOVING, np.eye(2)[None], none, pull, none)
-    found = rolling_scenes.solve_static_problem(problem)
-    if not found.converged:
-        advice = 'change the forces on the balls, or take distribution = "balanced"'
-        _refuse_scene(scene, "load", "the contact loads find no equilibrium with the forces on a ball", advice)
-    return found.normal[0], found.force[0]
-
-
-def _screw_balls_as_rolling_case(scene: ScrewPairScene, choices: RollingSettings) -> RollingCase:
-    """Return two balls of a ball screw as input of the 3D model of rolling.
-
-    ``choices``: grid of the contacts. Raises SceneNotCoveredError for features that the model does not have: Hertz
-    constants as printed in Lin's thesis, friction that moves the screw, and a groove at rest.
-    """
-    pair, g = scene.pair, scene.pair.groove
-    if g.hertz != "right":
-        reason = "the 3D model of rolling cannot use the Hertz constants printed in Lin's thesis"
-        _refuse_scene(scene, "ingredients.hertz", reason, 'take hertz = "nominal"')
-    if pair.coupling == "ball and screw":
-        reason = "friction does not move the screw in the 3D model of rolling"
-        _refuse_scene(scene, "friction.coupling", reason, 'take coupling = "none" or "ball"')
-    if g.speed == 0.0:
-        _refuse_scene(scene, "motion.speed", "balls at rest do not roll", "let nut or screw turn")
-    signs = np.array(SIDE_SIGNS, dtype=float)
-    outward = signs[:, 0]
-    groove_speeds = np.where(outward < 0.0, g.screw_speed, g.nut_speed)
-    radii, count = (g.ball_radius, g.groove_radius, g.pitch_radius), len(pair.theta)
-    layout = rolling_scenes.place_balls_along_helix(*radii, g.lead, g.contact_angle, outward, groove_speeds, count)
-    material = rolling_scenes.RollingMaterial(g.young, g.poisson, g.mu, g.mu if g.mu_balls is None else g.mu_balls)
-    angles = g.contact_angle + np.array(pair.theta)[:, None] * np.array(pair.pattern)
-    normals = signs * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    fixed = dict(zip("xyz", np.eye(3), strict=True))
-    motions = np.empty((count, 2, len(pair.free)))
-    for i, axes in enumerate(layout.ball_axes):
-        for k, name in enumerate(pair.free):
-            motions[i, :, k] = [1.0, 0.0] if name == "r" else layout.section_directions @ (axes @ fixed[name])
-    problem = rolling_scenes.StaticProblem(
-        unloaded_normals=normals,
-        radius_difference=layout.groove_radius - layout.ball_radius,
-        interference=np.full((count, 4), pair.oversize),
-        hertz_constants=np.tile(rolling_scenes.hertz_constants(layout, material), (count, 1)),
-        on_inner_body=outward < 0.0,
-        inner_body_motions=motions,
-        inner_body_displacement=np.zeros((count, 2)),
-        forces_on_inner_body=np.array(pair.force),
-        forces_on_balls=np.zeros((count, 2)),
-    )
-    coupled = pair.coupling == "ball"
-    scenes = []
-    for meet in (False, True):
-        if coupled:
-            loads, good = rolling_scenes.solve_loads_with_rolling(layout, material, problem, choices, balls_may_touch=meet)
-        else:
-            loads = rolling_scenes.solve_static_problem(problem)
-            good = loads.converged
-        if not good:
-            _refuse_scene(scene, "load", "the contact loads find no equilibrium with friction", 'take coupling = "none"')
-        scenes.append(rolling_scenes.create_rolling_balls(layout, material, loads.normal, loads.force))
-    apart = replace(scenes[0], ball_to_ball_contacts=())
-    return RollingCase(scene.name, scene.kind, apart, scenes[1], g.speed, SIDES, coupled)
-
-
-def _bearing_ball_as_rolling_case(scene: BearingBallScene) -> RollingCase:
-    """Return one ball of a rotary bearing as input of the 3D model of rolling.
-
-    Raises SceneNotCoveredError for features that the model does not have: friction laws other than Coulomb's, Hertz
-    constants other than the exact ones, and a ring at rest.
-    """
-    b = scene.bearing
-    if scene.law != "coulomb" or b.hertz != "right":
-        reason = "the 3D model of rolling has Coulomb's law and exact geometry only"
-        _refuse_scene(scene, "friction.law", reason, 'take law = "coulomb"')
-    if b.screw_speed == 0.0:
-        _refuse_scene(scene, "motion.speed", "a ball at rest does not roll", "let the ring turn")
-    outward = RING[:, 1]
-    speeds = np.where(outward < 0.0, b.screw_speed, 0.0)
-    radii = b.ball_radius, b.groove_radius, b.pitch_radius
-    layout = rolling_scenes.place_ball_in_ring(*radii, b.contact_angle, outward, speeds)
-    material = rolling_scenes.RollingMaterial(b.young, b.poisson, b.mu, b.mu)
-    problem = rolling_scenes.StaticProblem(
-        unloaded_normals=_contact_directions(np.full(4, b.contact_angle), RING)[None],
-        radius_difference=b.groove_radius - b.ball_radius,
-        interference=np.full((1, 4), -b.clearance),
-        hertz_constants=rolling_scenes.hertz_constants(layout, material)[None],
-        on_inner_body=outward < 0.0,
-        inner_body_motions=np.array([[[1.0], [0.0]]]),
-        inner_body_displacement=np.array([[0.0, scene.displacement]]),
-        forces_on_inner_body=np.array([scene.force]),
-        forces_on_balls=np.zeros((1, 2)),
-    )
-    loads = rolling_scenes.solve_static_problem(problem)
-    if not loads.converged:
-        _refuse_scene(
-            scene, "load", "the contact loads find no equilibrium with the load", "take a load that presses the ball"
-        )
-    whole = rolling_scenes.create_rolling_balls(layout, material, loads.normal, loads.force)
-    return RollingCase(scene.name, scene.kind, whole, whole, b.screw_speed, ("IL", "IR", "OR", "OL"), False)
+def rolling_of_kinds() -> dict[str, RollingOfKind]:
+    """Return, by kind of friction scene, how its scenes are solved as rolling balls: in 3D and by the low-order model."""
+    return brought_by_cases("rolling")

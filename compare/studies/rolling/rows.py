@@ -7,7 +7,7 @@ computed and then stored.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache, partial
 from pathlib import Path
@@ -26,18 +26,11 @@ from rollbench.compare.reference.levels import FINITE, HALF_SPACE
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as shipped_case
 from rollbench.compare.scenes.duty_cycle import FrictionScene
-from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, LinearBearingScene, LinearPairScene
-from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
-from rollbench.compare.studies.friction.linear_kinds import linear_bearing_loads
 from rollbench.compare.studies.rolling import runs as rolling_runs
-from rollbench.compare.studies.rolling.cases import prepare_rolling_case
+from rollbench.compare.studies.rolling.cases import prepare_rolling_case, rolling_of_kinds
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, RollingSettings, compute_motion_from_rest, solve_rolling
 from rollbench.hifi.rolling.friction import PATH
 from rollbench.hifi.rolling.kinematics import RollingBalls
-from rollbench.lowfi.friction.bearing import SIDES, solve_ball_of_bearing
-from rollbench.lowfi.friction.linear.chain import carriage_drive_force, prepare_linear_chain, velocity_deviations
-from rollbench.lowfi.friction.screw.chain import solve_motion_of_chain
-from rollbench.lowfi.friction.screw.run import solve_pair_of_screw_balls
 
 
 def solve_low_order(scene: FrictionScene) -> tuple[dict[str, float], float, str]:
@@ -46,59 +39,11 @@ def solve_low_order(scene: FrictionScene) -> tuple[dict[str, float], float, str]
     The values are forces, speeds and losses by names that end in the unit, such as "force 1-2 N". The scene is solved
     twice; the run time is that of the second solution, for which caches are filled by the first.
     """
-    solver: Callable[[Any], tuple[dict[str, float], str]] = _bearing_ball_values
-    if isinstance(scene, LinearBearingScene):
-        solver = _linear_bearing_values
-    elif isinstance(scene, ScrewPairScene):
-        solver = _screw_pair_values
+    solver = rolling_of_kinds()[scene.kind][1]
     solver(scene)
     begin = perf_counter()
     values, status = solver(scene)
     return values, perf_counter() - begin, status
-
-
-def _linear_bearing_values(scene: LinearBearingScene) -> tuple[dict[str, float], str]:
-    """Solve the balls of a linear bearing by the low-order model; return forces, speeds and losses, then the status.
-
-    The values are in a dictionary by names that end in the unit, such as "force 1-2 N".
-    """
-    angles, force, _ = linear_bearing_loads(scene)
-    chains = (prepare_linear_chain(scene.bearing, angles, force, touch) for touch in (False, scene.gap <= 0.0))
-    apart, near = (solve_motion_of_chain(chain) for chain in chains)
-    out = {f"force {k + 1}-{k + 2} N": float(f) for k, f in enumerate(near.ball_force[:-1])}
-    deviations = velocity_deviations(scene.bearing, apart)
-    out |= {f"deviation {k + 1} apart %": 100.0 * float(v) for k, v in enumerate(deviations)}
-    out |= {"loss apart mW": 1e3 * apart.loss, "loss touching mW": 1e3 * near.loss}
-    out |= {"drive apart N": carriage_drive_force(apart.wrench), "drive touching N": carriage_drive_force(near.wrench)}
-    out["increase %"] = 100.0 * (near.loss / apart.loss - 1.0)
-    return out, "converged" if apart.converged and near.converged else "not converged"
-
-
-def _screw_pair_values(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
-    """Solve two balls of a screw by the low-order model; return forces, speeds and losses, then the status.
-
-    The values are in a dictionary by names that end in the unit, such as "force 1-2 N".
-    """
-    found = solve_pair_of_screw_balls(scene.pair)
-    apart, near = found.apart.motion, found.touching.motion
-    out = {"force 1-2 N": found.force}
-    out |= {f"orbit {k + 1} apart rad/s": float(q[0]) for k, q in enumerate(apart.q)}
-    out |= {"loss apart mW": 1e3 * apart.loss, "loss touching mW": 1e3 * near.loss}
-    out["increase %"] = 100.0 * found.friction_increase
-    return out, "converged" if found.converged else "loads and friction do not agree"
-
-
-def _bearing_ball_values(scene: BearingBallScene) -> tuple[dict[str, float], str]:
-    """Solve one ball of a rotary bearing by the low-order model; return forces, speeds, losses and torque, then the status.
-
-    The values are in a dictionary by names that end in the unit, such as "torque N mm".
-    """
-    found = solve_ball_of_bearing(scene.bearing, scene.force, scene.displacement)
-    q, loss = found.motion.unknown_velocities, found.motion.friction.loss
-    out = {"orbit rad/s": float(q[0]), "omega x rad/s": float(q[1]), "omega y rad/s": float(q[2])}
-    out |= {f"loss {n} mW": 1e3 * float(v) for n, v, f in zip(SIDES, loss, found.load.force, strict=True) if f > 0.0}
-    out["torque N mm"] = 1e3 * found.inner_ring_torque
-    return out, "failed" if found.motion.status == "failed" else "converged"
 
 
 #: Safety factor on the differences between grids, as in grid convergence indices for three grids.
@@ -362,7 +307,7 @@ def runs_from_rest() -> tuple[RunFromRest, ...]:
     The results are computed once in a process.
     """
     choices = RollingSettings(rolling_runs.SHAPE)
-    scene = prepare_rolling_case(shipped_case("lin-pair-a", LinearPairScene), choices).touching
+    scene = prepare_rolling_case(shipped_case("lin-pair-a", FrictionScene), choices).touching
     steady = float(solve_rolling(scene, choices).ball_to_ball_forces[0])
     out = []
     for count in STEPS:

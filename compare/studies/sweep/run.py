@@ -29,7 +29,7 @@ from rollbench.compare.results.base import JSON, TabularRecord, add_schema_versi
 from rollbench.compare.results.data import Statistics, output_statistics, statistics_as_json, statistics_rows
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables
 from rollbench.compare.scenes.scene_file import hash_of_scene_text
-from rollbench.compare.studies.columns import COLUMNS, MAIN, compute_torques
+from rollbench.compare.studies.columns import COLUMNS, MAIN
 from rollbench.compare.studies.sweep import keys as sweep_keys
 from rollbench.compare.studies.sweep import sample
 from rollbench.meshes.arrays import Array
@@ -40,10 +40,8 @@ from rollbench.reports.content import Figure, Panel, Series
 Step = Callable[[str], None]
 #: Number of samples that are tried before anything is stored: if all are refused for the same reason, the sweep ends.
 FIRST = 10
-#: Largest number of samples that one job solves and stores together, and smallest number of jobs per worker.
-LARGEST_BATCH, BATCHES = 20, 20
-#: Assumed number of workers of a cluster if none is given, as workers can join at any time.
-MANY = 100
+#: Largest number of samples that are solved and stored together, and number of such batches of a small sweep.
+LARGEST_BATCH, BATCHES = 50, 20
 
 
 @dataclass(frozen=True)
@@ -109,22 +107,22 @@ def solve_missing_samples(
     sweep.say_which_keys_are_replaced(show_progress)
     with many.open_store(folder, sweep.header()) as store:
         have = sample.stored_records_by_sample(folder)
-        rows = {
-            n: (n, sweep_keys.key_values_at_coordinates(sweep.keys, place))
-            for n, place in enumerate(places)
-            if n not in have
-        }
-        show_progress(f"{len(places)} samples, {len(have)} stored in {folder}, {len(rows)} to solve")
+        missing = {n for n in range(len(places)) if n not in have}
+        show_progress(f"{len(places)} samples, {len(have)} stored in {folder}, {len(missing)} to solve")
         varied = sample.VariedScene(sweep.text, sweep.origin, sweep.keys)
-        solve = partial(sample.solve_numbered_sample, varied, sweep.model, sweep.wanted_outputs)
-        workers = engine.parallel_jobs or (MANY if engine.scheduler_address else 1)
-        size = max(1, min(LARGEST_BATCH, len(rows) // (BATCHES * workers)))
-        ways: dict[str, Any] = {"store": store, "size": size, "finish": compute_torques}
-        failed = 0
-        for done, (_, record) in enumerate(many.solve_many(solve, rows, engine, show_progress, noun="samples", **ways), 1):
-            failed += record["status"] != many.CONVERGED
-            if done % size == 0 or done == len(rows):
-                show_progress(f"[{done}/{len(rows)}] {failed} failed")
+        solve = partial(sample.records_of_samples, varied, sweep.model, sweep.wanted_outputs)
+        size = max(1, min(LARGEST_BATCH, len(places) // BATCHES))  # of the sweep only: it affects round-off
+        batches = {}
+        for first in range(0, len(places), size):
+            numbers = range(first, min(first + size, len(places)))
+            if left := missing.intersection(numbers):
+                values = [sweep_keys.key_values_at_coordinates(sweep.keys, places[n]) for n in numbers]
+                batches[first] = (numbers, values, left)
+        done = failed = 0
+        for _, records in many.solve_many(solve, batches, engine, show_progress, noun="samples", store=store):
+            done += len(records)
+            failed += sum(record["status"] != many.CONVERGED for record in records)
+            show_progress(f"[{done}/{len(missing)}] {failed} failed")
         return sample.stored_records_by_sample(folder)
 
 
@@ -136,12 +134,11 @@ def _check_first_samples_are_accepted(sweep: SweepDefinition, coordinates: Array
     """
     refused: list[InputError] = []
     for place in coordinates[:FIRST]:
-        try:
-            values = sweep_keys.key_values_at_coordinates(sweep.keys, place)
-            sample.solve_sample_or_refuse(sweep, values, sweep.model, sweep.wanted_outputs, sweep.origin)
+        values = sweep_keys.key_values_at_coordinates(sweep.keys, place)
+        (row,) = sample.rows_of_samples(sweep, [values], sweep.model, sweep.wanted_outputs, sweep.origin)
+        if not isinstance(row, InputError):
             return
-        except InputError as error:
-            refused.append(error)
+        refused.append(row)
     if len({sample.refusal_reason_without_numbers(error) for error in refused}) > 1:
         return
     if isinstance(refused[-1], ProgramError):
@@ -229,11 +226,6 @@ class Sweep(TabularRecord):
         if self.converged < 2:
             return None
         return figures_from_sweep_summary("sweep", self.design.keys, self.main_effects, self.worst, self.indices)[0]
-
-    @property
-    def _shown_path(self) -> str:
-        """Key of the part of the JSON that the table shows."""
-        return "outputs"
 
     @property
     def _notes(self) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.models.many import CONVERGED, Record, stored_records
@@ -17,9 +17,7 @@ from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.studies import columns
 from rollbench.compare.studies.sweep.keys import VariedKey, tables_with_varied_keys, varied_and_replaced_keys
 from rollbench.meshes.axis import Assembly
-
-if TYPE_CHECKING:
-    pass
+from rollbench.meshes.parts import Scene
 
 
 @lru_cache(maxsize=8)
@@ -88,43 +86,61 @@ def read_scene_text_and_origin(scene: str) -> tuple[str, str]:
 _NUMBER = re.compile(r"[0-9][0-9.]*(e[+-]?[0-9]+)?")
 
 
-def solve_sample(
-    varied: VariedScene,
-    values: Sequence[Any],
-    model: str,
-    wanted: Collection[str] = tuple(columns.COLUMNS),
-    *,
-    torques: bool = True,
-) -> dict[str, Any]:
-    """Solve one sample of a sweep; return its status and, if it is solved, its outputs by name.
+def solve_samples(
+    varied: VariedScene, samples: Sequence[Sequence[Any]], model: str, wanted: Collection[str] = tuple(columns.COLUMNS)
+) -> list[Record]:
+    """Solve samples of a sweep together; return the status of each and, if it is solved, its outputs by name.
 
-    ``values``: values of the varied keys in this sample; ``model``: name of the model; ``wanted``: names of the
-    columns, keys of `COLUMNS`; ``torques``: False to leave the friction torque to `compute_torques`, which is faster for
-    several samples at once. If the scene or the model does not allow the values, status and "reason" say why.
+    ``samples``: values of the varied keys in each sample; ``model``: name of the model; ``wanted``: names of the columns,
+    keys of `COLUMNS`. If the scene or the model does not allow the values, status and "reason" say why. A result depends on
+    the other samples by round-off.
     """
-    try:
-        found = solve_sample_or_refuse(varied, values, model, wanted)
-    except InputError as error:
-        found = {"status": f"refused: {error}", "reason": refusal_reason_without_numbers(error)}
-    if torques:
-        columns.compute_torques([found])
+    found = [
+        {"status": f"refused: {one}", "reason": refusal_reason_without_numbers(one)} if isinstance(one, InputError) else one
+        for one in rows_of_samples(varied, samples, model, wanted)
+    ]
+    columns.compute_torques(found)
     return found
 
 
-def solve_sample_or_refuse(
-    varied: VariedScene, values: Sequence[Any], model: str, wanted: Collection[str], origin: str = ""
-) -> dict[str, Any]:
-    """Solve one sample of a sweep; return its status and its outputs by name.
+def rows_of_samples(
+    varied: VariedScene, samples: Sequence[Sequence[Any]], model: str, wanted: Collection[str], origin: str = ""
+) -> list[Record | InputError]:
+    """Solve samples of a sweep together; return the status of each and its outputs by name, or the error that refuses it.
 
-    The arguments are those of `solve_sample` and of `VariedScene.at`; friction torques are left to `compute_torques`.
-    Raises InputError if the scene or the model does not allow the sample's values.
+    The arguments are those of `solve_samples` and of `VariedScene.at`; friction torques are left to `compute_torques`.
     """
-    scene = varied.at(values, origin)
-    if isinstance(scene, DutyCycle):
-        return _solve_duty_cycle_sample(scene, model, wanted)
-    one = scene_file.scene_or_shaft_or_raise(scene, origin or varied.file_name)
-    solved, row = columns.row_of_scene(one, model, wanted)
-    return {"status": solved.result.status, **row}
+    described = [_scene_of_sample(varied, values, origin) for values in samples]
+    cases = [[] if isinstance(x, InputError) else _load_cases(x) for x in described]
+    solved = iter(columns.rows_of_scenes([scene for each in cases for scene in each], model, wanted))
+    rows: list[Record | InputError] = []
+    for one, each in zip(described, cases, strict=True):
+        of_cases = [next(solved) for _ in each]
+        refused = [x for x in (one, *of_cases) if isinstance(x, InputError)]
+        accepted = [x for x in of_cases if not isinstance(x, InputError)]
+        if refused:
+            rows.append(refused[0])
+        elif isinstance(one, DutyCycle):
+            rows.append(_row_of_duty_cycle(one, accepted, wanted))
+        else:
+            rows.append({"status": accepted[0][0].result.status, **accepted[0][1]})
+    return rows
+
+
+def _scene_of_sample(varied: VariedScene, values: Sequence[Any], origin: str) -> Scene | Assembly | DutyCycle | InputError:
+    """Return the scene of a sample, or the error that refuses it; arguments of `VariedScene.at`."""
+    try:
+        scene = varied.at(values, origin)
+        return (
+            scene if isinstance(scene, DutyCycle) else scene_file.scene_or_shaft_or_raise(scene, origin or varied.file_name)
+        )
+    except InputError as error:
+        return error
+
+
+def _load_cases(scene: Scene | Assembly | DutyCycle) -> list[Scene | Assembly]:
+    """Return the load cases of a sample, each as a scene."""
+    return [case.scene for case in scene.cases] if isinstance(scene, DutyCycle) else [scene]
 
 
 def refusal_reason_without_numbers(error: InputError) -> str:
@@ -136,24 +152,35 @@ def refusal_reason_without_numbers(error: InputError) -> str:
     return _NUMBER.sub("#", f"{error.key}: {error.allowed or error.value}")
 
 
-def _solve_duty_cycle_sample(cycle: DutyCycle, model: str, wanted: Collection[str]) -> Record:
-    """Solve the load cases of a duty cycle; return the status and the columns of the cycle by name.
+def _row_of_duty_cycle(
+    cycle: DutyCycle, cases: Sequence[tuple[columns.SolvedScene, Record]], wanted: Collection[str]
+) -> Record:
+    """Return the status and the columns of a duty cycle by name from its solved load cases and their columns.
 
     ``wanted``: names of the columns. If a load case has no solution, only the status of that case is returned.
     """
-    solved, rows = zip(*(columns.row_of_scene(case.scene, model, wanted) for case in cycle.cases), strict=True)
+    solved, rows = zip(*cases, strict=True)
     for case, one in zip(cycle.cases, solved, strict=True):
         if not one.result.converged:
             return {"status": f"case {case.name}: {one.result.status}"}
     return {"status": CONVERGED, **columns.row_of_duty_cycle(cycle, solved, rows, wanted)}
 
 
-def solve_numbered_sample(
-    varied: VariedScene, model: str, wanted: Collection[str], number: int, values: list[Any]
-) -> Record:
-    """Solve one sample of a sweep as `solve_sample`, without friction torques; return its record with its ``number``."""
-    found = solve_sample(varied, values, model, wanted, torques=False)
-    return {"sample": number, "values": values, **found}
+def records_of_samples(
+    varied: VariedScene,
+    model: str,
+    wanted: Collection[str],
+    numbers: Sequence[int],
+    values: Sequence[list[Any]],
+    missing: Collection[int],
+) -> list[Record]:
+    """Solve the samples of a batch as `solve_samples`, and return the records of those that are ``missing``.
+
+    A batch is always solved as a whole, so that its round-off does not depend on what is stored. ``numbers``: numbers of
+    the samples; ``values``: values of the varied keys in each.
+    """
+    found = zip(numbers, values, solve_samples(varied, values, model, wanted), strict=True)
+    return [{"sample": number, "values": at, **record} for number, at, record in found if number in missing]
 
 
 def stored_records_by_sample(folder: Path) -> dict[int, Record]:

@@ -22,7 +22,7 @@ from rollbench.lowfi.friction.screw.groove import Mode
 from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
-from rollbench.reports.content import Row, TableColumn
+from rollbench.reports.content import Row
 
 #: Inputs of the rotary bearing (Table 3.1) and the linear bearing (Table 3.3).
 ROTARY, AXIAL = source_cases.rotary_ball_scene("I").bearing, source_cases.rotary_ball_scene("I").force
@@ -84,8 +84,8 @@ def solve_linear_ball_pair(
 
 
 @cache
-def ball_force_and_loss_over_grid() -> chain.LinearPairResultsOverGrid:
-    """Compute ball-to-ball force and friction losses of two touching balls in the linear bearing, over a grid of inputs.
+def ball_force_and_loss_over_grid() -> tuple[Array, Array]:
+    """Compute `chain.pair_results_over_grid` of two touching balls in the linear bearing.
 
     The inputs are the deviation theta of the contact angle from nominal, -3 to 3 deg, and the ratio of side force to
     vertical load, from -0.6 to 0.6.
@@ -212,18 +212,18 @@ def _record_largest_friction_loss_increase(findings: ComputedEntryValues) -> Non
     findings.add_number("worst_ratio", float(error_percent(ratio, 1.0)), words, as_printed=100.0 * ratio)
 
 
-def _check_claims_on_force_and_loss_grid(findings: ComputedEntryValues, maps: chain.LinearPairResultsOverGrid) -> None:
+def _check_claims_on_force_and_loss_grid(findings: ComputedEntryValues, maps: tuple[Array, Array]) -> None:
     """Check Lin's claims on ball-to-ball force and losses of two balls over contact-angle deviation and side force.
 
     ``maps``: these quantities by the numerical model and by Lin's formulas. ``findings``: receives the results.
     """
-    quantities = maps.velocity_deviation_difference, maps.force, maps.groove_and_ball_loss_ratio
-    difference, force, ratio = (both.numerical for both in quantities)
+    numerical, formula = maps
+    difference, force, ratio = numerical
     fields = (force[4:, 2::-1], ratio[4:, 2::-1])
     grows = all(bool(np.all(np.diff(f, axis=axis) > 0.0)) for f in fields for axis in (0, 1))
     top = float(error_percent(ratio.max(), 1.0))
     findings.add_claim("worst_increase", grows and top > 50.0, f"grows along both axes, up to {top:.0f} %")
-    pairs = [(v, both.error) for v, both in zip((difference, force, ratio - 1.0), quantities, strict=True)]
+    pairs = list(zip((difference, force, ratio - 1.0), formula - numerical, strict=True))
     inside = max(float(np.abs(e[2:5, 2:5]).max() / np.abs(v).max()) for v, e in pairs)
     corner = min(float(np.abs(e).max() / np.abs(v).max()) for v, e in pairs)
     words = (
@@ -366,16 +366,14 @@ def power_balance_rows() -> list[Row]:
             balance = float(error_percent(power, s.motion.loss))
             rows.append(
                 {
-                    TableColumn("case", "case of Lin's Table 3.2", "", "s"): case,
-                    TableColumn("model", "friction model", "", "s"): label,
-                    TableColumn("force", "sum of the normal forces at the contacts of the ball", "N", ".3f"): float(
-                        s.load.force.sum()
-                    ),
-                    TableColumn("torque", "friction torque on the inner ring", "N mm", ".4f"): 1e3 * torque,
-                    TableColumn("input", "power input", "W", ".6f"): power,
-                    TableColumn("loss", "friction losses", "W", ".6f"): s.motion.loss,
-                    TableColumn("balance", "power input minus friction losses, divided by the losses", "%", "g2"): balance,
-                    TableColumn("rest", "number of contacts that stick", "", "s"): int(s.motion.sticking_contacts.sum()),
+                    "case_of_table_3_2": case,
+                    "friction_model": label,
+                    "normal_force_sum": float(s.load.force.sum()),
+                    "inner_ring_torque": 1e3 * torque,
+                    "power_input": power,
+                    "friction_loss": s.motion.loss,
+                    "power_balance": balance,
+                    "sticking_contacts": int(s.motion.sticking_contacts.sum()),
                     "status": s.motion.status,
                 }
             )
@@ -390,37 +388,21 @@ def linear_pair_sensitivity_rows() -> list[Row]:
     """
     rows: list[Row] = []
     printed = printed_entry("lin-3.5", "a_force_numerical")
-    against = f"error of the ball-to-ball force against the printed {printed.number_as_printed} N"
-    loss_ratio = "loss without ball contact plus loss between the balls, in % of the former, contact angle 3° off nominal"
     for loads, mu in product(LOADS, (0.1, 0.0)):
         r, worst = solve_linear_ball_pair(loads=loads, mu_balls=mu), solve_linear_ball_pair(WORST, loads, mu_balls=mu)
         increase = float(error_percent(worst.touching.loss, worst.apart.loss))
         eps = [100.0 * float(x) for x in r.velocity_deviation]
+        force_error = float(error_percent(r.ball_to_ball_force, printed.value or 0.0))
         rows.append(
             {
-                TableColumn("loads", "how contact loads are computed", "", "s"): loads,
-                TableColumn("mu", "friction coefficient between balls", "", "g2"): mu,
-                TableColumn(
-                    "eps1",
-                    "relative deviation ε₁ of the velocity of ball 1 from nominal, contact angle 2° off nominal",
-                    "%",
-                    ".3f",
-                ): eps[0],
-                TableColumn(
-                    "eps2",
-                    "relative deviation ε₂ of the velocity of ball 2 from nominal, contact angle 2° off nominal",
-                    "%",
-                    ".3f",
-                ): eps[1],
-                TableColumn("force", "ball-to-ball force, contact angle 2° off nominal", "N", ".3f"): r.ball_to_ball_force,
-                TableColumn("error", against, "%", ".2f"): float(error_percent(r.ball_to_ball_force, printed.value or 0.0)),
-                TableColumn("ratio", loss_ratio, "", ".1f"): 100.0 * worst.groove_and_ball_loss_ratio,
-                TableColumn(
-                    "increase",
-                    "increase of the total loss by ball-to-ball contact, contact angle 3° off nominal",
-                    "%",
-                    ".1f",
-                ): increase,
+                "load_method": loads,
+                "ball_friction": mu,
+                "eps1": eps[0],
+                "eps2": eps[1],
+                ("ball_force_at", "2"): r.ball_to_ball_force,
+                ("ball_force_error", printed.number_as_printed): force_error,
+                "loss_ratio_3_deg": 100.0 * worst.groove_and_ball_loss_ratio,
+                ("loss_increase_at", "3"): increase,
                 "status": "converged" if r.touching.converged else "not converged",
             }
         )

@@ -11,12 +11,12 @@ from typing import Any, Literal
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence import source_cases
+from rollbench.compare.cases.lin.kinds.screw_balls import ScrewPairScene
 from rollbench.compare.evidence import ComputedEntryValues
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as case_of
-from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
 from rollbench.lowfi.as_source.screw import simulate_by_root
 from rollbench.lowfi.friction import bearing as friction_bearing
 from rollbench.lowfi.friction.screw import travel
@@ -26,18 +26,16 @@ from rollbench.lowfi.friction.screw.run import (
     SHIFTED,
     Pair,
     Run,
-    ScrewPairResultGrid,
     ScrewPairSolution,
     ScrewRunSummary,
     load_implied_by_ball_force,
-    results_over_oversize_and_force,
     simulate_equal_steps,
     solve_pair_of_screw_balls,
     summarise_screw_run,
 )
 from rollbench.lowfi.friction.whole.circuit import ContactOnset, contact_onset
 from rollbench.meshes.arrays import Array
-from rollbench.reports.content import Row, TableColumn
+from rollbench.reports.content import Row
 
 #: Deviations theta [deg] of the second ball's contact angle from nominal in Table 3.7, by case; amplitudes [deg] of theta
 #: in the simulations of section 3.4.4, which the thesis does not print.
@@ -47,8 +45,6 @@ AMPLITUDES = tuple(source_cases.RUN_SCENES)
 ANGLES = source_cases.four_point_and_double_row_scene().angle
 #: Permitted error of the torque by the time step of a simulation, over the mean torque.
 STEP_GOAL = 0.003
-#: Grid level, the finest, of the stored 3D results of two touching balls.
-FINEST = 3
 #: Scenes of section 4.3.2, by kind of geometric error.
 SCREWS = {"pitch": "lin-pitch-4p1", "roundness": "lin-roundness-4p1", "none": "lin-nominal-4p1"}
 
@@ -111,17 +107,17 @@ def simulate_screw_without_oversize() -> travel.TravelHistory:
 
 
 @cache
-def torque_over_load_angle(bearing: str, free_to_tilt: bool) -> friction_bearing.BearingTorqueCurve:
+def torque_over_load_angle(bearing: str, free_to_tilt: bool) -> friction_bearing.BearingStates:
     """Compute the friction torque of a bearing of Lin's Table 4.2 over the angle between the load and the bearing's axis.
 
     ``bearing``: "4P" for the four-point, "DR" for the double-row bearing; ``free_to_tilt``: whether the inner ring is free
     to tilt. The load angles are `ANGLES`.
     """
     make = source_cases.four_point_bearing if bearing == "4P" else source_cases.double_row_bearing
-    return friction_bearing.bearing_torque_over_force_angles(make(tilt=free_to_tilt), ANGLES)
+    return friction_bearing.solve_bearing(make(tilt=free_to_tilt), ANGLES)
 
 
-def largest_over_smallest_torque(found: friction_bearing.BearingTorqueCurve, largest_angle: float) -> float:
+def largest_over_smallest_torque(found: friction_bearing.BearingStates, largest_angle: float) -> float:
     """Return the ratio of largest to smallest friction torque of a bearing for load angles of 0 to ``largest_angle`` [deg].
 
     ``found``: friction torque of the bearing over the angle between its load and its axis.
@@ -499,21 +495,17 @@ def contact_load_interpretation_rows() -> list[Row]:
     """
     rows = list[Row]()
     for kind, label, make in contact_load_interpretations():
-        row: Row = {
-            TableColumn("kind", "interpretation of the text", "", "s"): kind,
-            TableColumn("reading", "assumptions on the contact loads", "", "s"): label,
-        }
+        row: Row = {"interpretation": kind, "load_assumption": label}
         good = True
         for case, theta in THETA.items():
             r = solve_pair_of_screw_balls(make(radians(theta)))
             off = float(error_percent(r.force, printed_value("lin-3.7", f"force_{case}")))
             increase, load = loss_increase_percent(r), float(r.ball_loads.mean())
-            at, error = f"contact angle {theta:g}° off nominal", "error of the ball-to-ball force against the printed one"
             row |= {
-                TableColumn(f"force_{case}", f"ball-to-ball force, {at}", "N", ".3f"): r.force,
-                TableColumn(f"error_{case}", f"{error}, {at}", "%", ".1f"): off,
-                TableColumn(f"increase_{case}", f"increase of friction loss, {at}", "%", ".1f"): increase,
-                TableColumn(f"load_{case}", f"contact load of a ball, {at}", "N", ".0f"): load,
+                ("ball_force_at", f"{theta:g}"): r.force,
+                ("ball_force_error_at", f"{theta:g}"): off,
+                ("loss_increase_at", f"{theta:g}"): increase,
+                ("ball_load_at", f"{theta:g}"): load,
             }
             good = good and r.converged
         rows.append(row | {"status": "converged" if good else "not converged"})
@@ -527,17 +519,19 @@ def contact_load_implied_by_table_3_7() -> float:
 
 
 @cache
-def pair_results_over_oversize(case: str, coupling: Coupling) -> ScrewPairResultGrid:
+def pair_results_over_oversize(case: str, coupling: Coupling) -> tuple[Array, Array]:
     """Compute ball-to-ball force and loss increase of two balls of the screw over the balls' oversize and the axial load.
 
-    The loss increase is the rise of the balls' friction loss by ball-to-ball contact.
-    The oversizes are `OVERSIZE` [m], the axial loads `AXIAL` [N]. ``case``: case of Lin's Table 3.7, "a" or "b";
-    ``coupling``: which parts the friction displaces, so that it changes the contact loads: "none", "ball" or "ball and
-    screw".
+    The loss increase is the rise of the balls' friction loss by ball-to-ball contact, as a fraction. Both arrays are
+    ``(m, n)``, for the oversizes `OVERSIZE` [m] and the axial loads `AXIAL` [N]; nan without convergence. ``case``: case of
+    Lin's Table 3.7, "a" or "b"; ``coupling``: which parts the friction displaces, so that it changes the contact loads:
+    "none", "ball" or "ball and screw".
     """
-    return results_over_oversize_and_force(
-        replace(source_cases.oversized_pair(radians(THETA[case])), coupling=coupling), np.array(OVERSIZE), np.array(AXIAL)
-    )
+    pair = replace(source_cases.oversized_pair(radians(THETA[case])), coupling=coupling)
+    solved = [[solve_pair_of_screw_balls(replace(pair, oversize=o, force=(f,))) for f in AXIAL] for o in OVERSIZE]
+    values = [[(r.force, r.friction_increase) if r.converged else (np.nan, np.nan) for r in row] for row in solved]
+    force, increase = np.moveaxis(np.array(values), -1, 0)
+    return force, increase
 
 
 def simulation_input_variations() -> list[tuple[str, str, dict[str, object]]]:
@@ -647,7 +641,7 @@ def simulation_interpretation_rows() -> list[Row]:
         reading = follows, amplitude, 1e6 * source_cases.inferred_oversize(), "both"
         of_source = simulation_row_by_lin_method(inputs_of_interpretation(*reading))
         found.append((SOURCE_RULE, reading, [of_source[q] for q in RUN[2:5]]))
-    off = [TableColumn(f"{q.key}_off", f"{q.label}, computed minus printed", q.unit, "+.1f") for q in RUN[2:5]]
+    off = [f"{name}_off" for name in RUN[2:5]]
     printed = [printed_value("lin-3.4.4", key) for key in PRINTED_OF_RUN]
     rows = list[Row]()
     for rule, reading, values in found:
@@ -658,27 +652,19 @@ def simulation_interpretation_rows() -> list[Row]:
 
 
 #: Columns on the interpretation of Lin's text in a simulation of the whole screw.
-READING = (
-    TableColumn("rule of contact", "rule that decides which balls touch", "", "s"),
-    TableColumn("theta stays with", "screw or nut, with which the pattern of contact-angle deviations θ moves", "", "s"),
-    TableColumn("amplitude / °", "amplitude of θ, the deviation of the contact angles from nominal", "°", "s"),
-    TableColumn("oversize / µm", "oversize of the ball radius", "µm", "s"),
-    TableColumn("contacts of the screw", "whether θ acts on one or on both contacts of a ball with the screw", "", "s"),
-)
+READING = ("touching_rule", "theta_body", "theta_amplitude", "ball_oversize", "theta_contacts")
 
 #: Columns of the results of one whole-screw simulation.
 RUN = (
-    TableColumn("assumption", "varied assumption", "", "s"),
-    TableColumn("value", "assumed value", "", "s"),
-    TableColumn("largest", "largest ratio of ball-to-ball to ball-to-groove torque", "%", ".1f"),
-    TableColumn("at", "nut angle at the largest ratio of ball-to-ball to ball-to-groove torque", "°", ".0f"),
-    TableColumn("none_at", "nut angle where ball-to-ball contact ends", "°", ".0f"),
-    TableColumn("groups", "largest number of groups of touching balls", "", "s"),
-    TableColumn(
-        "variation", "(largest - smallest)/mean of the ball-to-groove torque, time steps from the second on", "%", ".1f"
-    ),
-    TableColumn("torque", "mean ball-to-groove torque", "N mm", ".2f"),
-    TableColumn("steps", "number of time steps that converged", "", "s"),
+    "varied_assumption",
+    "assumed_value",
+    "torque_ratio",
+    "angle_of_largest_ratio",
+    "angle_without_contact",
+    "touching_groups",
+    "torque_variation",
+    "mean_torque",
+    "time_steps_converged",
 )
 
 
@@ -773,21 +759,14 @@ def bearing_torque_rows() -> list[Row]:
     """
     rows = list[Row]()
     for bearing, label, case in bearings_under_varied_assumptions():
-        found = friction_bearing.bearing_torque_over_force_angles(case, ANGLES)
-        row: Row = {
-            "bearing": bearing,
-            TableColumn("assumption", "varied assumption", "", "s"): label,
-            TableColumn("torque", "friction torque at load angle 0°", "N mm", ".1f"): 1e3 * float(found.torque[0]),
-        }
+        found = friction_bearing.solve_bearing(case, ANGLES)
+        row: Row = {"bearing": bearing, "varied_assumption": label, "torque_at_0_deg": 1e3 * float(found.torque[0])}
         for end in ENDS:
-            heading = f"ratio of largest to smallest torque, load angles 0 to {end:g}°"
-            row[TableColumn(f"to_{end:g}", heading, "", ".3f")] = largest_over_smallest_torque(found, end)
+            row["torque_ratio_to", f"{end:g}"] = largest_over_smallest_torque(found, end)
         upto = found.angle <= radians(18.0) * (1.0 + 1e-12)
         status = "converged" if found.converged.all() else "not converged"
-        four = TableColumn(
-            "four", "largest number of balls with more than two loaded contacts, load angles 0 to 18°", "", "s"
-        )
-        rows.append(row | {four: int(found.balls_beyond_two_contacts[upto].max()), "status": status})
+        most = int(found.balls_beyond_two_contacts[upto].max())
+        rows.append(row | {"balls_with_third_contact": most, "status": status})
     return rows
 
 
@@ -805,13 +784,11 @@ def ball_contact_onset_rows(cache: SceneResultCache) -> list[Row]:
             meet, first = f"{int(approach.sum())} of {approach.size}", degrees(o.rotation_to_first_meeting)
             rows.append(
                 {
-                    TableColumn("errors", "kind of geometric error", "", "s"): errors,
-                    TableColumn("idle", "speed of unloaded balls divided by the nominal speed", "", "g2"): idle,
-                    TableColumn("lost", "number of balls without load", "", "s"): lost,
-                    TableColumn("meet", "pairs of neighbouring balls that approach each other", "", "s"): meet,
-                    TableColumn("first", "nut angle at which two balls first touch", "°", "g4"): first
-                    if np.isfinite(first)
-                    else None,
+                    "error_kind": errors,
+                    "idle_speed": idle,
+                    "unloaded_balls": lost,
+                    "approaching_pairs": meet,
+                    "angle_of_first_touch": first if np.isfinite(first) else None,
                     "status": "converged" if o.converged else "not converged",
                 }
             )

@@ -10,13 +10,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from rollbench.compare.cases.lin.kinds.bearings import BearingBallScene, BearingPairScene, LinearPairScene
+from rollbench.compare.cases.lin.kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind
 from rollbench.compare.scenes.duty_cycle import FrictionScene
-from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene, LinearPairScene
-from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.lowfi.friction.bearing import BearingCase
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.run import Pair, Run

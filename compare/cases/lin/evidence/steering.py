@@ -11,7 +11,8 @@ import numpy as np
 
 from rollbench.compare.evidence import ComputedEntryValues
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.results.load_curve import LoadCurve, compute_load_curve, read_load_range
 from rollbench.compare.scenes import catalogue

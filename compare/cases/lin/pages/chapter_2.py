@@ -16,7 +16,8 @@ import numpy as np
 
 from rollbench.compare.cases.lin.evidence import chapter_2
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.registry import DEFAULT, ModelOptions
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import SceneResultCache, with_conformity
 from rollbench.compare.printed import printed_entry, printed_value
 from rollbench.compare.results.solving import solve_with_results
@@ -27,7 +28,7 @@ from rollbench.lowfi.statics.contacts import hertz_without_errors, misprinted_he
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import SIDES, Errors, Scene
-from rollbench.reports.content import Figure, LoadedScrew, Panel, Row, Section, Series, Table, TableColumn, Text
+from rollbench.reports.content import Cell, ColumnKey, Figure, LoadedScrew, Panel, Row, Section, Series, Table, Text
 
 
 def reference_mesh_level_in_words(cache: SceneResultCache, name: str) -> str:
@@ -45,26 +46,25 @@ def end_support_table(cache: SceneResultCache) -> Table:
     ``cache``: gives solved scenes and stored 3D references.
     """
     rows: list[Row] = []
-    change = "largest change of a contact load from that with the support in the first line"
     for reading in chapter_2.END_SUPPORTS:
         for which in ("plain_scene", "offset_scene"):
             name, first = (getattr(one, which) for one in (reading, chapter_2.END_SUPPORTS[0]))
             level, stated = reference_mesh_level_in_words(cache, name), "yes" if reading.is_stated_by_text else "no"
             row: Row = {
                 "scene": name,
-                TableColumn("held", "displacements and rotations restrained at the right end", "", "s"): reading.restraint,
-                TableColumn("text", "whether Lin's text states this support", "", "s"): stated,
-                TableColumn("reference", "finest mesh level of the 3D reference", "", "s"): level,
+                "right_end_restraint": reading.restraint,
+                "stated_by_lin": stated,
+                "finest_level": level,
             }
             for model, words in (("lin", "Lin's model"), (DEFAULT, "refined model")):
                 result = cache.solve_once(name, model)
                 e = load_error(result.load, cache.solve_once(first, model).load)
                 where = f"{e.ball} {e.side}" if e.max_percent > 0.0 else "–"
                 row |= {
-                    TableColumn(f"{model}_max", f"largest contact load, {words}", "N", ".1f"): float(result.load.max()),
-                    TableColumn(f"{model}_min", f"smallest contact load, {words}", "N", ".1f"): float(result.load.min()),
-                    TableColumn(f"{model}_change", f"{change}, {words}", "% of mean load", ".2f"): e.max_percent,
-                    TableColumn(f"{model}_where", f"ball and flank with the largest change, {words}", "", "s"): where,
+                    ("largest_load_by", words): float(result.load.max()),
+                    ("smallest_load_by", words): float(result.load.min()),
+                    ("change_by_support", words): e.max_percent,
+                    ("at_largest_change_by", words): where,
                 }
             rows.append(row)
     note = (
@@ -90,16 +90,13 @@ def model_choice_rows(found: Sequence[chapter_2.Case1WithModelChoice]) -> list[R
     """
     return [
         {
-            TableColumn("choice", "modelling choice", "", "s"): c.choice_in_words,
-            TableColumn("max", "largest contact load", "N", ".2f"): float(c.solution.load.max()),
-            TableColumn("min", "smallest contact load", "N", ".2f"): float(c.solution.load[:, 0].min()),
-            TableColumn("ratio", "ratio of largest to smallest load", "", ".4f"): chapter_2.load_ratio(
-                c.solution.load[:, 0]
-            ),
-            TableColumn("error", "largest change of a contact load", "% of mean load", ".3f"): c.load_change.max_percent,
-            TableColumn("rms", "RMS change of the contact loads", "% of mean load", ".3f"): c.load_change.rms_percent,
-            TableColumn("uz", "axial displacement of the screw where the load acts", "µm", ".2f"): 1e6
-            * float(c.solution.centreline[0, 2]),
+            "modelling_choice": c.choice_in_words,
+            "largest_load": float(c.solution.load.max()),
+            "smallest_load": float(c.solution.load[:, 0].min()),
+            "load_ratio": chapter_2.load_ratio(c.solution.load[:, 0]),
+            "largest_change_f3": c.load_change.max_percent,
+            "rms_change_f3": c.load_change.rms_percent,
+            "screw_displacement": 1e6 * float(c.solution.centreline[0, 2]),
             "status": c.solution.status,
         }
         for c in found
@@ -122,18 +119,13 @@ def contact_loads_table(cache: SceneResultCache) -> Table:
 
     ``cache``: gives the solved scenes.
     """
-    rows: list[Row] = [{"ball": i + 1} for i in range(32)]
+    columns: dict[ColumnKey, Sequence[Cell]] = {"ball": range(1, 33)}
     for name in chapter_2.CASES:
-        r = cache.solve_once(name)
-        short = name.removeprefix("lin-")
-        for s in range(4):
-            if not (r.load[:, s] > 0.0).any():
-                continue
-            heading = f"{_scene_in_words(name)}: contact load, {SIDE_WORDS[SIDES[s]]} flank"
-            load = TableColumn(f"{short}-{SIDES[s]}", heading, "N", ".2f")
-            for i, row in enumerate(rows):
-                row[load] = float(r.load[i, s])
-    return Table.from_rows("cases-loads", "Lin's case studies: contact loads of every ball", rows)
+        loads = cache.solve_once(name).load[:32].T
+        for side, load in zip(SIDES, loads, strict=True):
+            if (load > 0.0).any():
+                columns["load_in_case", _scene_in_words(name), SIDE_WORDS[side]] = load.tolist()
+    return Table("cases-loads", "Lin's case studies: contact loads of every ball", columns)
 
 
 def largest_and_smallest_loads_table(cache: SceneResultCache) -> Table:
@@ -141,8 +133,6 @@ def largest_and_smallest_loads_table(cache: SceneResultCache) -> Table:
 
     ``cache``: gives the solved scenes.
     """
-    by_force = "divided by the largest force"
-    of_moments = "sum of all moments on the screw divided by the largest moment"
     rows: list[Row] = []
     for name in chapter_2.CASES:
         r = cache.solve_once(name)
@@ -153,17 +143,15 @@ def largest_and_smallest_loads_table(cache: SceneResultCache) -> Table:
             if (load > 0.0).any():
                 rows.append(
                     {
-                        TableColumn("case", "scene", "", "s"): name,
-                        TableColumn("side", "flank", "", "s"): side,
-                        TableColumn("max", "largest contact load", "N", ".2f"): float(load.max()),
-                        TableColumn("min", "smallest contact load", "N", ".2f"): float(load.min()),
-                        TableColumn("ratio", "ratio of largest to smallest load", "", ".4f"): chapter_2.load_ratio(load),
-                        TableColumn("ball", "ball with the largest load", "", "s"): int(load.argmax()) + 1,
-                        TableColumn(
-                            "residual", f"residual of the solved equations {by_force}", "", "g2"
-                        ): r.solver.residual,
-                        TableColumn("force", f"sum of all forces on the screw {by_force}", "", "g2"): sums.force_residual,
-                        TableColumn("moment", of_moments, "", "g2"): sums.moment_residual,
+                        "scene": name,
+                        "flank": side,
+                        "largest_load": float(load.max()),
+                        "smallest_load": float(load.min()),
+                        "load_ratio": chapter_2.load_ratio(load),
+                        "ball_of_largest_load": int(load.argmax()) + 1,
+                        "residual": r.solver.residual,
+                        "force_sum": sums.force_residual,
+                        "moment_sum": sums.moment_residual,
                         "status": r.status,
                     }
                 )
@@ -346,32 +334,29 @@ def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
             rows.append(
                 {
                     "scene": name,
-                    TableColumn("members", "number of random screws", "", "s"): len(e.loads),
-                    TableColumn("side", "flank", "", "s"): SIDES[s],
-                    TableColumn("low", "5th percentile of the largest contact load", "N", ".1f"): float(low),
-                    TableColumn("mid", "median of the largest contact load", "N", ".1f"): float(mid),
-                    TableColumn("high", "95th percentile of the largest contact load", "N", ".1f"): float(high),
-                    TableColumn("ratio", "ratio of largest to smallest load, median of all random screws", "", ".3f"): ratio
-                    if s == 0
-                    else None,
-                    TableColumn("lost", "number of unloaded balls, mean of all random screws", "", ".2f"): lost,
-                    TableColumn("bad", "number of random screws whose solution did not converge", "", "s"): failed,
+                    "random_screws": len(e.loads),
+                    "flank": SIDES[s],
+                    "largest_load_p5": float(low),
+                    "largest_load_median": float(mid),
+                    "largest_load_p95": float(high),
+                    "load_ratio_median": ratio if s == 0 else None,
+                    "unloaded_balls_mean": lost,
+                    "random_screws_failed": failed,
                 }
             )
     changes: list[Row] = []
-    ratio_on_sl = "ratio of largest to smallest load on the left flank of the screw (SL)"
     for name in ("lin-case2", "lin-profile", "lin-pitch", "lin-random", "lin-combined"):
         r = cache.solve_once(name)
         e2, third = load_error(r.load, base.load), int((r.load[:, 1] > 0).sum())
         changes.append(
             {
                 "scene": name,
-                TableColumn("max", "largest contact load", "N", ".1f"): float(r.load.max()),
-                TableColumn("ratio", ratio_on_sl, "", ".3f"): chapter_2.load_ratio(r.load[:, 0]),
-                TableColumn("change", "largest change of a contact load", "% of mean load", ".2f"): e2.max_percent,
-                TableColumn("rms", "RMS change of the contact loads", "% of mean load", ".2f"): e2.rms_percent,
-                TableColumn("ball", "ball and flank with the largest change of load", "", "s"): f"{e2.ball} {e2.side}",
-                TableColumn("third", "number of balls loaded on the right flank of the screw (SR)", "", "s"): third,
+                "largest_load_f1": float(r.load.max()),
+                "load_ratio_on_sl": chapter_2.load_ratio(r.load[:, 0]),
+                "largest_change": e2.max_percent,
+                "rms_change": e2.rms_percent,
+                "at_largest_change": f"{e2.ball} {e2.side}",
+                "balls_on_sr": third,
             }
         )
     return Section(
@@ -418,19 +403,15 @@ def hertz_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
             pressure = float(right.pressure(np.array(225.0))[side])
             constants.append(
                 {
-                    TableColumn("groove", "groove radius", "", "s"): label,
-                    TableColumn("side", "screw or nut, with which the ball is in contact", "", "s"): name,
-                    TableColumn("right", "Hertz constant C, correct", "m/N^(2/3)", "g5"): C,
-                    TableColumn("faulty", "Hertz constant C, as Lin computes it", "m/N^(2/3)", "g5"): printed.C,
-                    TableColumn("error", "error of C as Lin computes it", "%", ".1f"): float(error_percent(printed.C, C)),
-                    TableColumn("approach", "approach at a contact load of 225 N", "µm", ".3f"): 1e6 * C * 225.0 ** (2 / 3),
-                    TableColumn("a", "semi-axis a at a contact load of 225 N", "mm", ".4f"): 1e3
-                    * float(right.C_a[side])
-                    * cube_root,
-                    TableColumn("b", "semi-axis b at a contact load of 225 N", "mm", ".4f"): 1e3
-                    * float(right.C_b[side])
-                    * cube_root,
-                    TableColumn("p0", "largest pressure at a contact load of 225 N", "MPa", ".1f"): 1e-6 * pressure,
+                    "groove_radius": label,
+                    "touching_body": name,
+                    "hertz_constant": C,
+                    "hertz_constant_lin": printed.C,
+                    "hertz_constant_error": float(error_percent(printed.C, C)),
+                    "approach_at_225_N": 1e6 * C * 225.0 ** (2 / 3),
+                    "semi_axis_a_at_225_N": 1e3 * float(right.C_a[side]) * cube_root,
+                    "semi_axis_b_at_225_N": 1e3 * float(right.C_b[side]) * cube_root,
+                    "pressure_at_225_N": 1e-6 * pressure,
                 }
             )
     return Section(
@@ -468,7 +449,7 @@ def equivalent_errors_panel(scene: Scene) -> Panel:
     degrees = [float(x) for x in np.degrees(phi)]
     return Panel(
         "equivalent error along the contact normal",
-        "azimuth / deg",
+        "azimuth",
         "error / µm",
         (
             Series("pitch error", degrees, [float(x) for x in pitch], "line"),
@@ -483,8 +464,6 @@ def manufacturing_section(cache: SceneResultCache, step: Callable[[str], None]) 
     ``cache``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
     panels = [equivalent_errors_panel(cache.built_in_scene("lin-pitch-4p1"))]
-    on_sl, which = "contact load on the left flank of the screw (SL)", "(flank SR or NL)"
-    spread = "standard deviation divided by mean of the loads on SL"
     rows: list[Row] = []
     for screw, label in chapter_2.SCREWS.items():
         step(f"pitch and roundness errors on the screw of {label}")
@@ -498,24 +477,22 @@ def manufacturing_section(cache: SceneResultCache, step: Callable[[str], None]) 
                 lost, balls = int(chapter_2.balls_without_load(r).sum()), int((third > 0.0).any(axis=1).sum())
                 rows.append(
                     {
-                        TableColumn("screw", "screw of Lin's thesis", "", "s"): label,
-                        TableColumn("error", "geometric error", "", "s"): kind,
-                        TableColumn("reading", "assumption on unprinted inputs", "", "s"): reading,
-                        TableColumn("max", f"largest {on_sl}", "N", ".1f"): float(r.load[:, 0].max()),
-                        TableColumn("min", f"smallest {on_sl}", "N", ".1f"): float(r.load[:, 0].min()),
-                        TableColumn("spread", spread, "", ".3f"): chapter_2.relative_load_scatter(r),
-                        TableColumn("lost", "number of balls without contact", "", "s"): lost,
-                        TableColumn("third", f"number of balls with a third loaded contact {which}", "", "s"): balls,
-                        TableColumn("third_max", f"largest load of a third contact {which}", "N", ".1f"): float(
-                            third.max()
-                        ),
+                        "screw_of_thesis": label,
+                        "geometric_error": kind,
+                        "input_assumption": reading,
+                        "largest_load_on_sl": float(r.load[:, 0].max()),
+                        "smallest_load_on_sl": float(r.load[:, 0].min()),
+                        "load_scatter_on_sl": chapter_2.relative_load_scatter(r),
+                        "unloaded_balls": lost,
+                        "balls_with_third_load": balls,
+                        "largest_third_load": float(third.max()),
                         "status": r.status,
                     }
                 )
         bare = replace(cache.built_in_scene(f"lin-pitch-{screw}"), errors=Errors())
         curves.append(contact_load_curve("no errors", cache.solve_once(bare), 0))
         title = f"screw of {label}, 1000 N: contact loads on flank SL"
-        panels.append(Panel(title, "ball", "contact load / N", tuple(curves), integer_x=True))
+        panels.append(Panel(title, "ball", "contact_load", tuple(curves), integer_x=True))
     return Section(
         "manufacturing",
         "Lin 4.3.2: contact loads with pitch errors and with roundness errors",
@@ -560,6 +537,10 @@ SCENES = (
 )
 
 
+#: Equations to which Lin's Newton method is applied: those of the energy solver, and those of his thesis.
+KINEMATICS: tuple[Literal["arc", "source"], ...] = ("arc", "source")
+
+
 def solver_agreement_row(cache: SceneResultCache, name: str) -> Row:
     """Return the table row of a scene's load differences [% of mean load], Lin's Newton method against the energy solver.
 
@@ -567,37 +548,16 @@ def solver_agreement_row(cache: SceneResultCache, name: str) -> Row:
     """
     scene, by_energy = cache.built_in_scene(name), cache.solve_once(name)
     solver = by_energy.solver
-    row: Row = {
-        "scene": name,
-        TableColumn("iterations", "iterations of the energy solver", "", "s"): solver.iterations,
-        TableColumn("residual", "residual of the energy solver divided by the largest force", "", "g2"): solver.residual,
-    }
-    kinds: tuple[tuple[Literal["arc", "source"], str, str, str], ...] = (
-        (
-            "arc",
-            "largest load difference, Lin's Newton method applied to the equations of the energy solver",
-            "g2",
-            "iterations of Lin's Newton method applied to the equations of the energy solver",
-        ),
-        (
-            "source",
-            "largest load difference, Lin's Newton method applied to the equations of his thesis",
-            "g3",
-            "iterations of Lin's Newton method applied to the equations of his thesis",
-        ),
-    )
-    for kinematics, heading, form, counted in kinds:
+    row: Row = {"scene": name, "energy_iterations": solver.iterations, "residual": solver.residual}
+    for kinematics in KINEMATICS:
         by_source = solve_lin_equations_with_fallback(scene, kinematics)
         off = load_error(by_energy.load, by_source.contact_loads).max_percent if by_source.converged else None
-        row[TableColumn(kinematics, heading, "% of mean load", form)] = off
-        row[TableColumn(f"{kinematics}_iterations", counted, "", "s")] = by_source.iterations
-    for arm, heading in (
-        ("nominal", "largest load change if lever arms use the nominal contact points, not the displaced ones"),
-        ("ball", "largest load change if contact forces act on the beam at the balls' axial positions, not the contacts'"),
-    ):
+        row[f"newton_difference_{kinematics}"] = off
+        row[f"newton_iterations_{kinematics}"] = by_source.iterations
+    for arm in ("nominal", "ball"):
         frozen = cache.solve_once(cache.scene_with_options(name, arm=arm))
-        row[TableColumn(arm, heading, "% of mean load", ".3f")] = load_error(frozen.load, by_energy.load).max_percent
-    return row | {TableColumn("source_status", "status of Lin's Newton method", "", "s"): by_source.status}
+        row[f"change_by_arm_{arm}"] = load_error(frozen.load, by_energy.load).max_percent
+    return row | {"newton_status": by_source.status}
 
 
 def formulations_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:

@@ -13,14 +13,14 @@ from math import degrees
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence import rotary_linear, screw, source_cases
-from rollbench.compare.cases.lin.extremes import extreme_linear_pair_rows, root_finding_rows
+from rollbench.compare.cases.lin.pages import linear_bearing
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_entry, printed_value
 from rollbench.compare.sections.curves import scale_to_python_floats as floats
 from rollbench.lowfi.friction import bearing as rotary_bearing
-from rollbench.lowfi.friction.bearing import SIDES, BearingBallSolution, BearingTorqueCurve
-from rollbench.lowfi.friction.linear.chain import LinearPairResultsOverGrid, ModelAndFormula, pair_results_over_grid
+from rollbench.lowfi.friction.bearing import SIDES, BearingBallSolution, BearingStates
+from rollbench.lowfi.friction.linear.chain import pair_results_over_grid
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import Run, contact_angle_deviation, summarise_screw_run
 from rollbench.lowfi.friction.screw.travel import TravelHistory
@@ -41,13 +41,13 @@ def power_balance_table() -> Table:
         "One ball of a rotary bearing (Lin 3.2): friction torque, power input and losses, for each friction model",
         rotary_linear.power_balance_rows(),
     )
-    worst = max(table.rows, key=lambda row: abs(float(row["balance"] or 0.0)))
-    off = float(error_percent(float(worst["loss"] or 0.0), float(worst["input"] or 0.0)))
+    worst = max(table.rows, key=lambda row: abs(float(row["power_balance"] or 0.0)))
+    off = float(error_percent(float(worst["friction_loss"] or 0.0), float(worst["power_input"] or 0.0)))
     note = (
         "Lin computes the torque from the friction losses (3.21); because he interpolates in maps of the friction, it "
-        f"differs by {off:+.1f} % from the moment of the friction forces in case {worst['case']}. In cases I and II his "
-        "sigmoid friction law moves a contact that rests under Coulomb friction: the sum of the losses stays, their "
-        "distribution over the contacts changes."
+        f"differs by {off:+.1f} % from the moment of the friction forces in case {worst['case_of_table_3_2']}. In cases "
+        "I and II his sigmoid friction law moves a contact that rests under Coulomb friction: the sum of the losses stays, "
+        "their distribution over the contacts changes."
     )
     return replace(table, note=note)
 
@@ -64,7 +64,7 @@ def linear_pair_sensitivity_table() -> Table:
         rotary_linear.linear_pair_sensitivity_rows(),
     )
     target = printed.value or 0.0
-    forces = [float(row["force"] or 0.0) for row in table.rows]
+    forces = [float(force or 0.0) for force in table.columns["ball_force_at", "2"]]
     inside = "lies within" if min(forces) <= target <= max(forces) else "lies outside"
     deviations = " and ".join(f"{printed_entry('lin-3.4', f'a_eps{k}_numerical').number_as_printed} %" for k in (1, 2))
     note = (
@@ -75,33 +75,6 @@ def linear_pair_sensitivity_table() -> Table:
         f"{max(forces):.2f} N; Table 3.4 prints velocity deviations of {deviations} for the same case."
     )
     return replace(table, note=note)
-
-
-# --- stability
-
-
-def solver_residuals_table() -> Table:
-    """Return the table of the friction solver's residuals on extreme cases of two balls in the linear bearing.
-
-    The last columns are the energy error and the difference of the ball-to-ball force between several starts of the solver.
-    """
-    note = "Contact angles follow the loads. Residual and difference are divided by the largest friction force on a ball."
-    title = "Two balls of a linear bearing: residuals and energy errors of the friction solver on extreme cases"
-    return Table.from_rows("friction-stability", title, extreme_linear_pair_rows(), note)
-
-
-def root_finding_table() -> Table:
-    """Return the table of random starts from which Lin's root finding, and least dissipation, find the ball's motion.
-
-    There is one row for each case of the rotary bearing and each sharpness k_S of Lin's friction law.
-    """
-    note = (
-        "Contact loads with Lin's Hertz constants. k_S: sharpness of his friction law, Coulomb friction times a sigmoid of "
-        "k_S times the spin; the larger k_S, the nearer a spinning contact to Coulomb's law; here without interpolation in "
-        "maps. Least dissipation succeeds if it finds the minimum of the loss; it uses Coulomb friction for all k_S."
-    )
-    title = "Rotary bearing: random starts from which root finding and least dissipation find the motion of the ball"
-    return Table.from_rows("friction-roots", title, root_finding_rows(), note)
 
 
 # --- figures
@@ -139,7 +112,7 @@ def rotary_bearing_torque_figure() -> Figure:
     omega_x = curves_of_quantity(lambda s: s.motion.unknown_velocities[1], "omega_x")
     panels = (
         Panel("sum of contact loads", label, "force / N", force, include_zero=True),
-        Panel("friction torque", label, "torque / N mm", torque, include_zero=True),
+        Panel("friction torque", label, "torque", torque, include_zero=True),
         Panel("friction loss of each contact, correct", label, "loss / W", losses, include_zero=True),
         Panel("angular velocity ω_x of the ball", label, "ω_x / rad/s", omega_x),
     )
@@ -188,27 +161,22 @@ def sliding_velocity_figure() -> Figure:
     return Figure("friction-velocity", title, panels, caption, 3)
 
 
-def panels_over_side_force_ratio(
-    grid_results: LinearPairResultsOverGrid, by_model_and_formula: ModelAndFormula, label: str
-) -> list[Panel]:
+def panels_over_side_force_ratio(theta: Array, rho: Array, numerical: Array, formula: Array, label: str) -> list[Panel]:
     """Draw a quantity of two balls over the side force ratio: by the numerical model, by Lin's formula, and the difference.
 
-    There is one curve for each deviation theta of the contact angle from nominal. ``grid_results``: results over a grid of
-    side force ratios and values of theta; ``by_model_and_formula``: the quantity by numerical model and by formula;
-    ``label``: name of the quantity with unit.
+    There is one curve for each deviation ``theta`` of the contact angle from nominal [rad]. ``rho``: side force ratios;
+    ``numerical``, ``formula``: the quantity over theta and rho by numerical model and by formula; ``label``: name of the
+    quantity with unit.
     """
-    x = floats(grid_results.side_force_ratio)
+    x = floats(rho)
     parts = (
-        ("numerical model", by_model_and_formula.numerical),
-        ("Lin's formula", by_model_and_formula.formula),
-        ("difference, formula minus numerical", by_model_and_formula.error),
+        ("numerical model", numerical),
+        ("Lin's formula", formula),
+        ("difference, formula minus numerical", formula - numerical),
     )
     panels = []
     for title, values in parts:
-        curves = [
-            Series(f"θ = {degrees(t):+.0f}°", x, floats(row), "line")
-            for t, row in zip(grid_results.contact_angle_deviation, values, strict=True)
-        ]
+        curves = [Series(f"θ = {degrees(t):+.0f}°", x, floats(row), "line") for t, row in zip(theta, values, strict=True)]
         panels.append(Panel(title, "side force ratio ρ", label, curves))
     return panels
 
@@ -219,12 +187,15 @@ def figures_over_side_force_ratio() -> tuple[Figure, Figure]:
     First: difference of the balls' velocities; second: ball-to-ball force and ratio of friction losses.
     """
     theta, rho = np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]), np.linspace(-0.6, 0.6, 25)
-    m = pair_results_over_grid(rotary_linear.LINEAR, theta, rho, rotary_linear.VERTICAL, rotary_linear.K_F)
-    short = np.abs(m.velocity_deviation_difference.error).max() / np.abs(m.velocity_deviation_difference.numerical).max()
+    both = pair_results_over_grid(rotary_linear.LINEAR, theta, rho, rotary_linear.VERTICAL, rotary_linear.K_F)
+    (difference, force, ratio), (difference_error, force_error, ratio_error) = both[0], both[1] - both[0]
+    labels = "velocity difference ε₁ − ε₂", "ball-to-ball force / N", "loss ratio"
+    first_row, *other_rows = (panels_over_side_force_ratio(theta, rho, *of) for of in zip(*both, labels, strict=True))
+    short = np.abs(difference_error).max() / np.abs(difference).max()
     first = Figure(
         "friction-difference",
         "Linear bearing (Lin, Figure 3.14): velocity difference of two balls, plotted against side force/vertical load",
-        panels_over_side_force_ratio(m, m.velocity_deviation_difference, "velocity difference ε₁ − ε₂"),
+        first_row,
         "θ: deviation of the contact angle from nominal; ε₁, ε₂: relative deviations of both balls' velocities "
         "from nominal. The balls approach each other where the curve is above zero. Lin's formula gives velocity "
         f"differences that are too small by up to {short:.0%} of the largest difference.",
@@ -233,17 +204,14 @@ def figures_over_side_force_ratio() -> tuple[Figure, Figure]:
     second = Figure(
         "friction-force",
         "Linear bearing (Lin, Figure 3.15): ball-to-ball force and loss ratio, plotted against side force/vertical load",
-        [
-            *panels_over_side_force_ratio(m, m.force, "ball-to-ball force / N"),
-            *panels_over_side_force_ratio(m, m.groove_and_ball_loss_ratio, "loss ratio"),
-        ],
+        [panel for row in other_rows for panel in row],
         "θ: deviation of the contact angle from nominal. Loss ratio: groove losses without ball-to-ball contact plus loss "
         "between the balls, divided by the former. "
-        f"Where the balls approach each other, the force grows up to {m.force.numerical.max():.2f} N and the "
-        f"loss ratio up to {100.0 * m.groove_and_ball_loss_ratio.numerical.max():.1f} % (Lin prints it as an increase of "
+        f"Where the balls approach each other, the force grows up to {force.max():.2f} N and the "
+        f"loss ratio up to {100.0 * ratio.max():.1f} % (Lin prints it as an increase of "
         f"{printed_entry('lin-3.3', 'worst_ratio').number_as_printed} %). Lin's formula gives a force that is too small by "
-        f"up to {-m.force.error.min():.2f} N, and a loss ratio that is wrong by up to "
-        f"{np.abs(m.groove_and_ball_loss_ratio.error).max():.2f}.",
+        f"up to {-force_error.min():.2f} N, and a loss ratio that is wrong by up to "
+        f"{np.abs(ratio_error).max():.2f}.",
         3,
     )
     return first, second
@@ -272,12 +240,15 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     drawn = [sliding_velocity_figure()]
     step("maps of the linear pair")
     drawn += figures_over_side_force_ratio()
-    step("extreme cases and starts")
-    checks = (solver_residuals_table(), root_finding_table())
+    poles = linear_bearing.friction_over_spin_pole_figure(), linear_bearing.spin_pole_of_pair_figure()
+    last = linear_bearing.gap_between_balls_figure(), linear_bearing.semi_axis_figure()
     return Section(
         "friction",
         "Lin 3.2 and 3.3: friction and ball motion in a rotary bearing, and in a linear bearing with touching balls",
-        (Text(INTRODUCTION), power_balance_table(), drawn[0], linear_pair_sensitivity_table(), drawn[1], drawn[2], *checks),
+        (
+            *(Text(INTRODUCTION), power_balance_table(), drawn[0], linear_pair_sensitivity_table()),
+            *(*poles, drawn[1], drawn[2], *last),
+        ),
     )
 
 
@@ -304,7 +275,7 @@ def simulated_torque_panel(title: str, history: TravelHistory) -> Panel:
         ("sum", history.torque),
     )
     curves = [Series(name, time, floats(v, 1e3), "line", bold=name == "sum") for name, v in parts]
-    return Panel(title, "time / s", "torque / N mm", curves, include_zero=True)
+    return Panel(title, "time / s", "torque", curves, include_zero=True)
 
 
 def angle_deviation_panel(case: Run) -> Panel:
@@ -314,7 +285,7 @@ def angle_deviation_panel(case: Run) -> Panel:
     """
     phi = np.linspace(-2.0 * np.pi, 2.0 * np.pi, 201)
     curve = Series("assumed", floats(np.degrees(phi)), floats(np.degrees(contact_angle_deviation(case, phi))), "line")
-    return Panel("deviation θ of the contact angles over the loaded turns", "azimuth / deg", "θ / deg", (curve,))
+    return Panel("deviation θ of the contact angles over the loaded turns", "azimuth", "θ / deg", (curve,))
 
 
 def touching_balls_panels(history: TravelHistory) -> tuple[Panel, Panel]:
@@ -381,11 +352,10 @@ def panels_over_ball_oversize(case: str, coupling: Coupling) -> list[Panel]:
     ``case``: case of Lin's Table 3.7, "a" or "b"; ``coupling``: which parts the friction displaces, so that it changes the
     contact loads: "none", "ball" or "ball and screw".
     """
-    m, x = screw.pair_results_over_oversize(case, coupling), [1e6 * oversize for oversize in screw.OVERSIZE]
+    (force, increase), x = screw.pair_results_over_oversize(case, coupling), [1e6 * o for o in screw.OVERSIZE]
     words = "loads without friction" if coupling == "none" else "friction moves the balls"
     panels = []
-    for key, values, label in (("force", m.force, "force / N"), ("increase", 100.0 * m.friction_increase, "increase / %")):
-        values = np.where(m.converged, values, np.nan)
+    for key, values, label in (("force", force, "force / N"), ("increase", 100.0 * increase, "increase / %")):
         curves = [Series(f"{f:g} N", x, floats(values[:, j]), "line", bold=f == LOAD) for j, f in enumerate(screw.AXIAL)]
         printed = printed_value("lin-3.7", f"{key}_{case}")
         curves.append(Series("printed", [x[0], x[-1]], [printed, printed], "line"))
@@ -400,9 +370,9 @@ def force_without_oversize_over_printed(case: str, coupling: Coupling) -> float:
     ``case``: case of Lin's Table 3.7, "a" or "b"; ``coupling``: which parts the friction displaces, as in
     `panels_over_ball_oversize`.
     """
-    m = screw.pair_results_over_oversize(case, coupling)
+    force, _ = screw.pair_results_over_oversize(case, coupling)
     at = int(np.argmin(np.abs(np.array(screw.OVERSIZE))))
-    return float(m.force[at, screw.AXIAL.index(LOAD)]) / printed_value("lin-3.7", f"force_{case}")
+    return float(force[at, screw.AXIAL.index(LOAD)]) / printed_value("lin-3.7", f"force_{case}")
 
 
 def oversizes_at_printed_value_in_words(key: str) -> str:
@@ -413,9 +383,10 @@ def oversizes_at_printed_value_in_words(key: str) -> str:
     """
     words = []
     for case in ("a", "b"):
-        m, printed = screw.pair_results_over_oversize(case, "none"), printed_value("lin-3.7", f"{key}_{case}")
-        values = (m.force if key == "force" else 100.0 * m.friction_increase)[:, screw.AXIAL.index(LOAD)]
-        found = " and ".join(f"{x:.1f}" for x in oversizes_at_crossings(values, printed)) or "no oversize"
+        force, increase = screw.pair_results_over_oversize(case, "none")
+        values = (force if key == "force" else 100.0 * increase)[:, screw.AXIAL.index(LOAD)]
+        crossings = oversizes_at_crossings(values, printed_value("lin-3.7", f"{key}_{case}"))
+        found = " and ".join(f"{x:.1f}" for x in crossings) or "no oversize"
         words.append(f"{found} µm in case ({case})")
     return ", ".join(words)
 
@@ -459,7 +430,7 @@ def force_over_ball_oversize_figure() -> Figure:
     )
 
 
-def first_load_angle_beyond_two_contacts(found: BearingTorqueCurve) -> float:
+def first_load_angle_beyond_two_contacts(found: BearingStates) -> float:
     """Return the smallest load angle [deg] at which a ball of the bearing has more than two loaded contacts.
 
     ``found``: friction torque and contacts of the bearing over the load angle.
@@ -477,7 +448,7 @@ def bearing_torque_figure() -> Figure:
     ]
     x, label = floats(np.degrees(screw.ANGLES)), "load angle / deg"
 
-    def draw_panel(title: str, unit: str, quantity_of_bearing: Callable[[BearingTorqueCurve], Array]) -> Panel:
+    def draw_panel(title: str, unit: str, quantity_of_bearing: Callable[[BearingStates], Array]) -> Panel:
         """Draw a quantity of both bearings, with and without tilt of the inner ring, over the load angle.
 
         ``title``: title of the panel; ``unit``: label of the ordinate; ``quantity_of_bearing``: function that returns the
@@ -620,10 +591,13 @@ def _ball_pair_paragraph(pairs: Table) -> str:
 
     ``pairs``: table of ball-to-ball force and increase of the friction loss, a row for each interpretation of the text.
     """
-    rows = {str(row["reading"]): row for row in pairs.rows}
-    loose, coupled = rows[screw.UNCOUPLED], rows[screw.AS_TEXT]
+    rows = {str(row["load_assumption"]): row for row in pairs.rows}
+    loose, coupled, inferred = (rows[x] for x in (screw.UNCOUPLED, screw.AS_TEXT, screw.label_of_inferred_oversize()))
+    load, inferred_load = (float(row["ball_load_at", f"{screw.THETA['a']:g}"] or 0.0) for row in (coupled, inferred))
     uncoupled, moved = (
-        " and ".join(f"{100.0 + float(row[f'error_{case}'] or 0.0):.0f} %" for case in screw.THETA)
+        " and ".join(
+            f"{100.0 + float(row['ball_force_error_at', f'{theta:g}'] or 0.0):.0f} %" for theta in screw.THETA.values()
+        )
         for row in (loose, coupled)
     )
     return (
@@ -631,10 +605,9 @@ def _ball_pair_paragraph(pairs: Table) -> str:
         f"{source_cases.pair_as_printed().force[0]:g} N along the axis), one diagonal carries nearly all: {uncoupled} of "
         f"the printed forces (cases a and b), {moved} where friction moves the balls and loads a third contact. Printed "
         f"force and increase together imply a contact load of {screw.contact_load_implied_by_table_3_7():.0f} N per ball, "
-        f"against {float(coupled['load_a'] or 0.0):.0f} N here; {screw.oversize_in_words()} of oversize would give "
-        f"{float(rows[screw.label_of_inferred_oversize()]['load_a'] or 0.0):.0f} N. The literal reading is compared with "
-        "the printed numbers; the inferred one is shown with it and labelled so, because its oversize was inferred from "
-        "these numbers."
+        f"against {load:.0f} N here; {screw.oversize_in_words()} of oversize would give {inferred_load:.0f} N. The literal "
+        "reading is compared with the printed numbers; the inferred one is shown with it and labelled so, because its "
+        "oversize was inferred from these numbers."
     )
 
 
@@ -643,14 +616,14 @@ def _simulation_paragraph(simulations: Table) -> str:
 
     ``simulations``: table of the simulation's results, a row for each assumption.
     """
-    cases = [row for row in simulations.rows if row["assumption"] == screw.AS_CASE]
-    source = next(row for row in simulations.rows if row["assumption"] == screw.SOURCE_RULE)
+    cases = [row for row in simulations.rows if row["varied_assumption"] == screw.AS_CASE]
+    source = next(row for row in simulations.rows if row["varied_assumption"] == screw.SOURCE_RULE)
     _, at, none_at = _printed_results_of_simulation()
     found = "; ".join(
-        f"theta of {a:g}°: largest at {row['at']:.0f}°, none from {row['none_at']:.0f}°"
+        f"theta of {a:g}°: largest at {row['angle_of_largest_ratio']:.0f}°, none from {row['angle_without_contact']:.0f}°"
         for a, row in zip(screw.AMPLITUDES, cases, strict=True)
     )
-    ratio = float(source["largest"] or 0.0) / float(cases[-1]["largest"] or np.nan)
+    ratio = float(source["torque_ratio"] or 0.0) / float(cases[-1]["torque_ratio"] or np.nan)
     return (
         "The run of 3.4.4 also needs amplitude, phase and pattern of theta, oversize, start and return "
         f"tube: all are assumptions, varied below. Printed are {at}° for the largest torque and {none_at}° "

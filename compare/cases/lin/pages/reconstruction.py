@@ -20,7 +20,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.rolling import runs as rolling
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
 
 if TYPE_CHECKING:
     from rollbench.compare.scenes.duty_cycle import FrictionScene
@@ -59,29 +59,21 @@ def _row_of_lin_statement(location: str, printed: str, computed: str, verdict: s
     ``location``: section, table or figure of the statement; ``printed``: the statement; ``computed``: what is computed for
     it; ``verdict``: conclusion.
     """
-    return {
-        TableColumn("place", "section, table or figure of the thesis", "", "s"): location,
-        TableColumn("printed", "statement of the thesis", "", "s"): printed,
-        "computed here": computed,
-        TableColumn("verdict", "conclusion", "", "s"): verdict,
-    }
+    return {"thesis_place": location, "thesis_statement": printed, "computed_here": computed, "conclusion": verdict}
 
 
 def _run_time_row(cache: SceneResultCache) -> Row:
-    """Return the table row on run times: printed for ANSYS, and measured for a 3D model with cells of equal size.
+    """Return the table row on run times: printed for ANSYS, beside the size of a 3D model with cells of equal size.
 
-    ``cache``: gives the scene whose stored 3D result has this time.
+    ``cache``: gives the scene of this 3D model.
     """
     run = load_stored_run(cache.built_in_scene("lin-case1"), SOURCE_LEVEL, stores=[shipped_store()])
     hours, elements = (printed_value("lin-2.2", key) for key in ("time_ansys_1", "elements_ansys"))
-    time = "no stored run"
-    if run is not None:
-        seconds = run.setup_seconds + run.solve_seconds
-        time = f"{seconds:.0f} s with {run.unknowns:,} unknowns, measured with {run.measured}"
+    size = "no stored run" if run is None else f"{run.unknowns:,} unknowns, time in table reference-time"
     return _row_of_lin_statement(
         "Table 2.2",
         f"{hours:g} h with {elements:,.0f} elements",
-        f"a 3D model of the same cells, condensed by contacts: {time}",
+        f"a 3D model of the same cells, condensed by contacts: {size}",
         "not judged, because times depend on machine and method; 6800 follows from the printed times",
     )
 
@@ -169,7 +161,6 @@ def _ball_force_row(case: str) -> Row:
 # --- origin of the printed errors of 2.4.1: two explanations
 
 
-EXPLANATION = TableColumn("explanation", "possible explanation", "", "s")
 ABOUT_IT = (
     'What Lin did is not known. For both models he prints a largest load of "about 1.34" times the smallest, and '
     "four errors of his model against ANSYS. Each explanation is shown with its deviations from these six numbers. "
@@ -300,7 +291,7 @@ def ratios_and_errors_by_explanation_table(found: list[ExplanationResult]) -> Ta
     printed = "printed", (ratio, ratio, *explanations.printed_errors_percent())
     given = [(c.of.name, (c.low_order_ratio, c.ratio_in_3d, *c.errors_percent)) for c in found]
     rows: list[Row] = [
-        {EXPLANATION: name, **_ratio_and_error_cells(values, ".3f", ".2f")} for name, values in (printed, *given)
+        {"possible_explanation": name, **_ratio_and_error_cells(values)} for name, values in (printed, *given)
     ]
     title = "Ratio of largest to smallest load, and model errors: printed in Lin 2.4.1, and by each possible explanation"
     return Table.from_rows("reconstruction", title, rows)
@@ -313,19 +304,17 @@ def deviations_from_print_table(found: list[ExplanationResult]) -> Table:
     ``found``: results of all explanations.
     """
     printed = error_fall_and_rise_to_case_2(explanations.printed_errors_percent())
-    fall_off = "fall of the largest error from case 1 to 2, computed minus printed"
-    rise_off = "rise of the RMS error from case 1 to 2, computed minus printed"
     rows: list[Row] = []
     for c in found:
         fall, rise = np.subtract(error_fall_and_rise_to_case_2(c.errors_percent), printed)
         rows.append(
             {
-                EXPLANATION: c.of.name,
-                TableColumn("low order", "how the text is interpreted in the low-order model", "", "s"): c.of.low_order,
-                TableColumn("3D", "how the text is interpreted in the 3D model", "", "s"): c.of.in_3d,
-                **_ratio_and_error_cells(tuple(c.deviations_from_print), "+.1f", "+.2f", "%"),
-                TableColumn("fall_off", fall_off, "percentage points", "+.2f"): float(fall),
-                TableColumn("rise_off", rise_off, "percentage points", "+.2f"): float(rise),
+                "possible_explanation": c.of.name,
+                "reading_low_order": c.of.low_order,
+                "reading_3d": c.of.in_3d,
+                **_ratio_and_error_cells(tuple(c.deviations_from_print), "_off"),
+                "error_fall_off": float(fall),
+                "error_rise_off": float(rise),
             }
         )
     note = "Deviations of the load ratios: in per cent of the printed ratio; of the model errors: in percentage points."
@@ -333,24 +322,19 @@ def deviations_from_print_table(found: list[ExplanationResult]) -> Table:
     return Table.from_rows("reconstruction-missed", title, rows, note)
 
 
-def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit: str = "") -> Row:
+def _ratio_and_error_cells(values: Sequence[float], suffix: str = "") -> Row:
     """Return table cells: ratio of largest to smallest load by both models, four errors of the low-order model against 3D.
 
     ``values``: load ratio of the low-order and of the 3D model, then the errors `ERRORS`, or the deviations of all six from
-    the printed numbers; ``ratio``, ``error``: number formats of ratios and errors; ``unit``: empty for the values, "%" for
-    deviations.
+    the printed numbers; ``suffix``: end of the columns' names, "_off" for deviations.
     """
-    start = "deviation from the printed " if unit else ""
-    heading = f"{start}ratio of largest to smallest load"
     row: Row = {
-        TableColumn("low_ratio", f"{heading}, low-order model", unit, ratio): float(values[0]),
-        TableColumn("solid_ratio", f"{heading}, 3D model", unit, ratio): float(values[1]),
+        (f"load_ratio_by{suffix}", "low-order model"): float(values[0]),
+        (f"load_ratio_by{suffix}", "3D model"): float(values[1]),
     }
     for key, value in zip(ERRORS, values[2:], strict=True):
         case, kind, _ = key.split("_")
-        heading = f"{start}{'largest' if kind == 'max' else 'RMS'} error in {case.replace('case', 'case ')}"
-        of = "percentage points" if unit else "% of the contact's load"
-        row[TableColumn(f"own_{key}", heading, of, error)] = float(value)
+        row[f"error_in_case{suffix}", "largest" if kind == "max" else "RMS", case.removeprefix("case")] = float(value)
     return row
 
 

@@ -12,7 +12,7 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.results.load_curve import LoadCurve
 from rollbench.meshes.parts import Scene
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
 
 ABOUT = (
     "Lash: displacement of the screw under a force that reverses. Axial test: force along the axis at the end of the "
@@ -52,14 +52,12 @@ def lash_figure(scene: Scene) -> Figure:
     shown = (Series("conical", degrees, spread, "line"), Series("axial", degrees, [flat] * len(degrees), "line"))
     at = f"{1e3 * REACH:.0f} mm from the nut"
     panels = (
-        Panel("axial test", "axial force / N", "displacement / µm", axial),
-        Panel("conical test, force along x", f"lateral force {at} / N", "displacement / µm", conical),
-        Panel(
-            "conical test: lash", "direction of the force / deg", "peak-to-peak displacement / µm", peaks, include_zero=True
-        ),
+        Panel("axial test", "axial force / N", "displacement", axial),
+        Panel("conical test, force along x", f"lateral force {at} / N", "displacement", conical),
+        Panel("conical test: lash", "force_direction", "peak-to-peak displacement / µm", peaks, include_zero=True),
         Panel(
             "relative difference of the lash between ball patterns",
-            "direction of the force / deg",
+            "force_direction",
             "difference / %",
             shown,
             include_zero=True,
@@ -79,19 +77,17 @@ def lash_difference_rows(scene: Scene) -> list[Row]:
 
     ``scene``: the ball screw with the usual inputs.
     """
-    conical = "difference of the lash in the conical test"
-    ordered = "lateral force directions for which the axial test has the smaller difference"
     return [
         {
-            TableColumn("changed", "changed input", "", "s"): p.changed_input,
-            TableColumn("diameter", "outer diameter of the screw", "mm", ".0f"): 1e3 * p.screw_outer_diameter,
-            TableColumn("position", "axial position of the nut's centre", "mm", ".0f"): 1e3 * p.nut_position,
-            TableColumn("reach", "distance of the lateral force from the nut", "mm", ".0f"): 1e3 * p.force_distance,
-            TableColumn("restraint", "restraint of the screw's left end", "", "s"): p.left_end_restraint,
-            TableColumn("axial", "difference of the lash in the axial test", "%", ".2f"): p.differences.axial_percent,
-            TableColumn("least", f"smallest {conical}", "%", ".1f"): min(p.differences.conical_percent),
-            TableColumn("most", f"largest {conical}", "%", ".1f"): max(p.differences.conical_percent),
-            TableColumn("ordered", ordered, "", "s"): _directions_with_smaller_axial_difference(p.differences),
+            "varied_input": p.changed_input,
+            "screw_diameter": 1e3 * p.screw_outer_diameter,
+            "nut_position": 1e3 * p.nut_position,
+            "lateral_force_distance": 1e3 * p.force_distance,
+            "left_end_restraint": p.left_end_restraint,
+            "axial_lash_difference": p.differences.axial_percent,
+            "smallest_conical_lash_difference": min(p.differences.conical_percent),
+            "largest_conical_lash_difference": max(p.differences.conical_percent),
+            "directions_with_smaller_axial": _directions_with_smaller_axial_difference(p.differences),
         }
         for p in steering.lash_differences_by_changed_input(scene)
     ]
@@ -127,7 +123,7 @@ def steering_gear_figure(layout_ratios: list[steering.GearLayoutLoadRatios]) -> 
     for k, words in enumerate(("ball screw", "four-point bearing")):
         curve = Series("usual inputs", steering.ANGLES, [pair[k] for pair in loads])
         title, x = f"largest contact load of the {words}", "tie-rod angle / deg"
-        panels.append(Panel(title, x, "contact load / N", (curve,), include_zero=True))
+        panels.append(Panel(title, x, "contact_load", (curve,), include_zero=True))
     caption = (
         "Load ratio: largest contact load at a tie-rod angle of 18° divided by that at 0°. The four-point bearing is "
         "placed at the nut's centre."
@@ -158,14 +154,12 @@ def load_ratio_rows(layout_ratios: list[steering.GearLayoutLoadRatios]) -> list[
     """
     return [
         {
-            TableColumn("hold", "restraint of the rack by the pinion", "", "s"): p.pinion_restraint,
-            TableColumn("sense", "directions of the lateral forces of both tie rods", "", "s"): "opposed"
-            if p.side_forces_opposed
-            else "alike",
-            TableColumn("offset", "distance of the bearing from the nut's centre", "mm", ".0f"): 1e3 * p.bearing_offset,
-            TableColumn("pinion", "axial position of the pinion", "mm", ".0f"): 1e3 * p.pinion_position,
-            TableColumn("screw", "largest load of the ball screw at 18° divided by that at 0°", "", ".2f"): p.screw,
-            TableColumn("bearing", "largest load of the bearing at 18° divided by that at 0°", "", ".2f"): p.bearing,
+            "pinion_restraint": p.pinion_restraint,
+            "lateral_force_directions": "opposed" if p.side_forces_opposed else "alike",
+            "bearing_distance": 1e3 * p.bearing_offset,
+            "pinion_position": 1e3 * p.pinion_position,
+            ("load_ratio_18_deg", "ball screw"): p.screw,
+            ("load_ratio_18_deg", "bearing"): p.bearing,
         }
         for p in layout_ratios
     ]
@@ -179,23 +173,14 @@ def load_ratio_range_rows(layout_ratios: list[steering.GearLayoutLoadRatios]) ->
     """
     rows = []
     for b in (*steering.load_ratio_ranges(shipped_steering_gear()), steering.load_ratio_range_over_layouts(layout_ratios)):
-        row: Row = {
-            TableColumn("changed", "varied input", "", "s"): b.changed_input,
-            TableColumn("values", "range of the input", "", "s"): b.input_range,
-        }
+        row: Row = {"varied_input": b.changed_input, "input_range": b.input_range}
         for key, words in (("screw", "ball screw"), ("bearing", "bearing")):
             (low, high), printed = getattr(b, key), printed_value("lin-4.2.1", f"ratio_{key}")
-            inside = f"whether the range contains the printed load ratio {printed:g} of the {words}"
+            inside = steering.rounded_value_lies_in_range((low, high), printed)
             row |= {
-                TableColumn(
-                    f"{key}_low", f"smallest ratio of the largest loads of the {words} at 18° and at 0°", "", ".2f"
-                ): low,
-                TableColumn(
-                    f"{key}_high", f"largest ratio of the largest loads of the {words} at 18° and at 0°", "", ".2f"
-                ): high,
-                TableColumn(f"{key}_in", inside, "", "s"): "yes"
-                if steering.rounded_value_lies_in_range((low, high), printed)
-                else "no",
+                ("smallest_load_ratio_18_deg", words): low,
+                ("largest_load_ratio_18_deg", words): high,
+                ("contains_printed_load_ratio", f"{printed:g}", words): "yes" if inside else "no",
             }
         rows.append(row)
     return rows

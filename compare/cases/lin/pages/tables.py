@@ -17,7 +17,7 @@ from rollbench.compare.models.study import SceneResultCache, with_conformity
 from rollbench.compare.printed import VERDICT_NAMES, printed_entry, printed_table_names, printed_value
 from rollbench.compare.reference.convergence import relative_cell_size
 from rollbench.compare.reference.levels import SOURCE_LEVEL
-from rollbench.compare.reference.store import load_stored_run, shipped_store
+from rollbench.compare.reference.store import UNMEASURED, load_stored_run, shipped_store
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as case_of
 from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.sections import source_tables
@@ -26,33 +26,12 @@ from rollbench.compare.sections.verdicts import printed_numbers_table
 from rollbench.compare.studies.rolling import runs as rolling
 from rollbench.compare.studies.run_times import run_times_for_report_page
 from rollbench.meshes.section import nodes_of_whole_beam
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
 
 LIN = next(case for case in CASES if case.name == "lin")
 #: Computer and programs of the printed run times (footnotes of Tables 2.2 and 3.5, sections 3.4.3 and 2.4.1).
 MACHINE = "Intel Core i7-3770, 3.40 GHz, 16 GB; ANSYS Workbench 16.2, and Lin's own program"
 UNITS = {"s": 1.0, "h": 3600.0}
-
-LOW = (
-    TableColumn("cold", "run time computed here, cold start", "s", "g3"),
-    TableColumn("further", "run time computed here, further load case", "s", "g3"),
-)
-_OURS = "run time of this package's 3D model divided by that of its low-order model"
-RATIO = {
-    "printed": TableColumn("r_printed", "printed run time of ANSYS divided by that of Lin's model", "times", "g4"),
-    "cold": TableColumn("r_cold", f"{_OURS}, cold start", "times", "g3"),
-    "further": TableColumn("r_further", f"{_OURS}, further load case", "times", "g3"),
-}
-OLDER = TableColumn("older", "run time of this package, measured earlier", "", "s")
-ELEMENTS = (
-    TableColumn("n_printed", "number of elements, printed", "", "s"),
-    TableColumn("n_ours", "number of elements, unknowns or cells of this package's model", "", "s"),
-)
-SOURCES_OWN = TableColumn("sources", "printed difference of Lin's model from ANSYS", "%", ".2f")
-_EQUAL_LOADS = "low-order value if opposite contacts of a ball carry equal loads"
-DIAGONAL = TableColumn("diagonal", _EQUAL_LOADS, "", "g5")
-_OTHER_RADIUS = f"correct value with groove radius {chapter_2.TABLE_CONFORMITY:g} x ball diameter"
-OTHER_GROOVE = TableColumn("groove", _OTHER_RADIUS, "", "g5")
 
 #: Scene and model, by name of the printed run time.
 TIMED = {f"lin-2.2:time_proposed_{k}": (name, "lin") for k, name in STATIC.items()}
@@ -142,19 +121,22 @@ def run_times_table(
         scene, way = TIMED[name]
         printed, own = found[name].printed, stored_run_times(cache, scene, way)
         solid, slow = (ModelRunTimes(), None) if way == "3D" else (stored_run_times(cache, scene, "3D"), ansys[scene])
+        printed_elements, elements = printed_and_own_model_size(cache, scene, way)
         rows.append(
             {
-                TableColumn("label", "line of the printed table", "", "s"): label,
-                TableColumn("column", "column in the printed table", "", "s"): head,
-                TableColumn("printed", "printed run time", "", "s"): f"{printed.number_as_printed} {printed.unit}",
-                RATIO["printed"]: run_time_ratio(slow, printed_run_time_seconds(name)),
-                LOW[0]: own.cold_start_seconds,
-                LOW[1]: own.further_load_case_seconds,
-                OLDER: own.earlier_measurement,
-                RATIO["cold"]: run_time_ratio(solid.cold_start_seconds, own.cold_start_seconds),
-                RATIO["further"]: run_time_ratio(solid.further_load_case_seconds, own.further_load_case_seconds),
-                **dict(zip(ELEMENTS, printed_and_own_model_size(cache, scene, way), strict=True)),
-                source_tables.REPRODUCED: VERDICT_NAMES[found[name].verdict],
+                "printed_row": label,
+                "printed_column": head,
+                "printed_run_time": f"{printed.number_as_printed} {printed.unit}",
+                "printed_time_ratio": run_time_ratio(slow, printed_run_time_seconds(name)),
+                "cold_start": own.cold_start_seconds,
+                "further_load_case": own.further_load_case_seconds,
+                ("time_ratio_here", "cold start"): run_time_ratio(solid.cold_start_seconds, own.cold_start_seconds),
+                ("time_ratio_here", "further load case"): run_time_ratio(
+                    solid.further_load_case_seconds, own.further_load_case_seconds
+                ),
+                "printed_elements": printed_elements,
+                "elements": elements,
+                "verdict": VERDICT_NAMES[found[name].verdict],
                 "how": f"how-{printed.table}",
             }
         )
@@ -176,7 +158,10 @@ def table_3_4_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: A
     """
     found = {case: 100.0 * solve_linear_ball_pair(loads="diagonal", mated=case == "b").velocity_deviation for case in "ab"}
     cells = {(case, k): float(value[k - 1]) for case, value in found.items() for k in (1, 2)}
-    return {f"lin-3.4:{c}_eps{k}_numerical": {DIAGONAL: x if abs(x) > 1e-9 else 0.0} for (c, k), x in cells.items()}
+    return {
+        f"lin-3.4:{c}_eps{k}_numerical": {"value_at_equal_loads": x if abs(x) > 1e-9 else 0.0}
+        for (c, k), x in cells.items()
+    }
 
 
 def table_3_5_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
@@ -187,10 +172,10 @@ def table_3_5_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: A
     """
     low, ansys = (printed_value("lin-3.5", f"a_force_{way}") for way in ("analytic", "ansys"))
     numerical: Row = {
-        SOURCES_OWN: printed_value("lin-3.5", "error_numerical"),
-        DIAGONAL: solve_linear_ball_pair(loads="diagonal").ball_to_ball_force,
+        "lin_difference_from_ansys": printed_value("lin-3.5", "error_numerical"),
+        "value_at_equal_loads": solve_linear_ball_pair(loads="diagonal").ball_to_ball_force,
     }
-    formula: Row = {SOURCES_OWN: error_percent_or_none(low, ansys)}
+    formula: Row = {"lin_difference_from_ansys": error_percent_or_none(low, ansys)}
     return {"lin-3.5:a_force_numerical": numerical, "lin-3.5:a_force_analytic": formula}
 
 
@@ -199,7 +184,10 @@ def table_3_7_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: A
 
     The cells contain printed differences from ANSYS [%]. ``cache``: not used here.
     """
-    return {f"lin-3.7:force_{case}": {SOURCES_OWN: printed_value("lin-3.7", f"difference_{case}")} for case in SCREW}
+    return {
+        f"lin-3.7:force_{case}": {"lin_difference_from_ansys": printed_value("lin-3.7", f"difference_{case}")}
+        for case in SCREW
+    }
 
 
 def table_b_1_extra_cells(cache: SceneResultCache) -> dict[str, Row]:
@@ -209,7 +197,8 @@ def table_b_1_extra_cells(cache: SceneResultCache) -> dict[str, Row]:
     groove. ``cache``: gives the solved scenes.
     """
     scene = with_conformity(cache.built_in_scene("lin-case1"), chapter_2.TABLE_CONFORMITY)
-    return {f"lin-B1:{key}": {OTHER_GROOVE: value} for key, value in chapter_2.correct_values_of_table_b_1(scene).items()}
+    column = "value_at_conformity", f"{chapter_2.TABLE_CONFORMITY:g}"
+    return {f"lin-B1:{key}": {column: value} for key, value in chapter_2.correct_values_of_table_b_1(scene).items()}
 
 
 #: Functions that return further cells, by number of the table.
@@ -273,11 +262,9 @@ def run_time_and_size_texts(cache: SceneResultCache) -> dict[str, str]:
     def run_times_in_words(name: str, model: str) -> str:
         """Return in words the run times of the scene ``name`` by the model ``model``, as in `stored_run_times`."""
         found = stored_run_times(cache, name, model)
-        return found.earlier_measurement or (
-            "–"
-            if found.cold_start_seconds is None
-            else f"{found.cold_start_seconds:.3g} s cold, {found.further_load_case_seconds or 0.0:.2g} s further"
-        )
+        if found.cold_start_seconds is None:
+            return "–"
+        return f"{found.cold_start_seconds:.3g} s cold, {found.further_load_case_seconds or 0.0:.2g} s further"
 
     out = {name: run_times_in_words(*of) for name, of in TIMED.items()}
     out |= {
@@ -407,7 +394,6 @@ def case_study_load_and_error_rows(cache: SceneResultCache) -> Iterator[Row]:
     Case 3 stands with and without offset, for each support of the right end that has a 3D reference; the first is that of
     Lin's text. ``cache``: gives solved scenes and stored 3D references.
     """
-    ratio = "ratio of largest to smallest contact load on the left flank of the screw (SL)"
     studies = [("1", STATIC[1]), ("2", STATIC[2])]
     for reading in chapter_2.END_SUPPORTS:
         beside = "" if reading.is_stated_by_text else f", other reading: {reading.restraint}"
@@ -426,16 +412,16 @@ def case_study_load_and_error_rows(cache: SceneResultCache) -> Iterator[Row]:
             loaded = value[value > 0.0]
             own_max, own_rms, mean_max = (e.own_max_percent, e.own_rms_percent, e.max_percent) if apart else (None,) * 3
             yield {
-                TableColumn("case", "case study", "", "s"): study,
+                "case_study": study,
                 "scene": name,
-                TableColumn("model", "model", "", "s"): model,
-                TableColumn("max", "largest contact load", "N", ".2f"): float(loaded.max()),
-                TableColumn("min", "smallest contact load", "N", ".2f"): float(loaded.min()),
-                TableColumn("ratio", ratio, "", ".4f"): chapter_2.load_ratio(value[:, 0]),
-                TableColumn("own_max", "largest error of a contact load", "% of contact's load", ".2f"): own_max,
-                TableColumn("own_rms", "RMS error of the contact loads", "% of contact's load", ".2f"): own_rms,
-                TableColumn("mean_max", "largest error of a contact load", "% of mean load", ".2f"): mean_max,
-                TableColumn("printed", "printed errors against ANSYS (largest error / RMS error)", "%", "s"): shown,
+                "model": model,
+                "largest_load": float(loaded.max()),
+                "smallest_load": float(loaded.min()),
+                "load_ratio_on_sl_f4": chapter_2.load_ratio(value[:, 0]),
+                "largest_load_error_own": own_max,
+                "rms_error_own": own_rms,
+                "largest_load_error": mean_max,
+                "lin_errors_max_rms": shown,
             }
 
 
@@ -450,6 +436,52 @@ def case_study_loads_and_errors_table(cache: SceneResultCache) -> Table:
         "mei: the model of Mei et al., which Lin compares with in case 1. Command for case 1: rollbench compare lin-case1."
     )
     return Table.from_rows("lin-answers", title, case_study_load_and_error_rows(cache), note)
+
+
+def case_study_answer_table(cache: SceneResultCache) -> Table:
+    """Return the table with a line for each of Lin's case studies: load error and run time of his model, printed and found.
+
+    ``cache``: gives solved scenes, stored 3D references and run times.
+    """
+    rows: list[Row] = []
+    for row in case_study_load_and_error_rows(cache):
+        study = str(row["case_study"])
+        if row["model"] == "lin" and study in ("1", "2", "3", "3 without offset"):
+            printed = study in ("1", "2", "3")
+            seconds = stored_run_times(cache, STATIC[int(study)], "lin").cold_start_seconds if printed else None
+            rows.append(
+                {
+                    "case_study": study,
+                    "printed_load_error": printed_value("lin-2.4.1", f"case{study}_max_error")
+                    if study in ("1", "2")
+                    else None,
+                    "largest_load_error_own": row["largest_load_error_own"],
+                    "printed_seconds": printed_run_time_seconds(f"lin-2.2:time_proposed_{study}") if printed else None,
+                    "cold_start": seconds,
+                }
+            )
+    note = (
+        "Found: against the 3D reference; the right end of case 3 is held as the text says. Table lin-answers has the "
+        f"loads, errors in per cent of the mean load, and the other reading of case 3. Printed run times: {MACHINE}. "
+        f"{cache.compute_once(run_times_for_report_page, 'lin') or UNMEASURED}"
+    )
+    title = "Lin's case studies: load error and run time of Lin's model, as printed and as found"
+    return Table.from_rows("lin-answer", title, rows, note)
+
+
+def case_study_answer_sentence(answer: Table) -> str:
+    """Return the sentence on the load errors of Lin's model in the case studies; ``answer``: `case_study_answer_table`."""
+    rows = [row for row in answer.rows if row["printed_load_error"] is not None]
+    if not rows:
+        return ""
+    found, printed = (
+        " and ".join(f"{row[key]:.2f}" for row in rows) for key in ("largest_load_error_own", "printed_load_error")
+    )
+    cases = " and ".join(str(row["case_study"]) for row in rows)
+    return (
+        f"Lin's model is off by up to {found} % of a contact's load in cases {cases}; against ANSYS the thesis prints "
+        f"{printed} %."
+    )
 
 
 FIGURES: Mapping[str, tuple[Callable[[SceneResultCache], Table | Figure], ...]] = {
@@ -479,11 +511,12 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[
     placed = {name for layout in every for name in layout.names}
     claims = [f for f in found.values() if f.printed.claim and f.printed.name not in placed]
     others = [f for f in found.values() if not f.printed.claim and f.printed.name not in placed]
+    answer, counts = case_study_answer_table(cache), printed_results_sentences(found.values())
     first = Section(
         "lin",
-        "Lin's thesis: number of printed values that are reproduced, for each table and section",
-        (Text((GUIDE,)), source_tables.counts_of_reproduced_numbers_table(list(found.values()))),
-        conclusion=printed_results_conclusion(found.values()),
+        "Lin's thesis: error and run time of its model, and number of printed values that are reproduced",
+        (answer, Text((*counts[1:], GUIDE)), source_tables.counts_of_reproduced_numbers_table(list(found.values()))),
+        conclusion=" ".join(filter(None, (case_study_answer_sentence(answer), counts[0]))),
     )
 
     def section(name: str, title: str, heading: str, entries: list[PrintedEntryComparison]) -> Section:
@@ -499,8 +532,8 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[
     return first, *(printed_table_section(cache, layout, found) for layout in every), *last
 
 
-def printed_results_conclusion(found: Iterable[PrintedEntryComparison]) -> str:
-    """Return the sentence on how many printed results are reproduced, contradicted or not determined by the text.
+def printed_results_sentences(found: Iterable[PrintedEntryComparison]) -> tuple[str, str]:
+    """Return the sentence on how many printed results are reproduced or contradicted, and the sentences on the others.
 
     ``found``: printed values and claims with the computed ones.
     """
@@ -509,10 +542,11 @@ def printed_results_conclusion(found: Iterable[PrintedEntryComparison]) -> str:
     results = len(numbers) - tally["input"] - tally["identity"]
     return (
         f"Of {results} results that Lin's thesis prints, {tally['reproduced']} are reproduced, {tally['only as printed']} "
-        f"only with the thesis's own mistake repeated, {tally['contradicted']} are contradicted, {tally['band']} lie "
-        f"within a tolerance band, and {tally['not identifiable']} are not determined by its text. The last are measured, "
-        f"computed by another program, or depend on what is not printed. The other {len(numbers) - results} of its "
-        f"{len(numbers)} numbers are inputs and identities."
+        f"only with the thesis's own mistake repeated, {tally['band']} lie within a tolerance band, and "
+        f"{tally['contradicted']} are contradicted.",
+        f"{tally['not identifiable']} printed results are not determined by the text: they are measured, computed by "
+        f"another program, or depend on what is not printed. The other {len(numbers) - results} of {len(numbers)} printed "
+        "numbers are inputs and identities.",
     )
 
 
@@ -545,7 +579,5 @@ def run_times_note(cache: SceneResultCache) -> str:
     kept = cache.compute_once(run_times_for_report_page, "lin")
     return (
         f"Printed: {MACHINE}. Computed here, cold start: a new process with empty caches, imports included; further load "
-        "case: the next one in that process; ANSYS rows: this package's 3D model. Empty: not measured. Earlier "
-        "measurements have their own column, without a ratio. "
-        f"{'No run times are stored.' if kept is None else kept} To measure them again: `rollbench bench --source lin`."
+        f"case: the next one in that process; ANSYS rows: this package's 3D model. {kept or UNMEASURED}"
     )

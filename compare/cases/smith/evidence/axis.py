@@ -15,7 +15,8 @@ import numpy as np
 from rollbench.compare.cases.smith.evidence import bearings
 from rollbench.compare.evidence import ComputedEntryValues
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.scenes import catalogue
@@ -425,6 +426,9 @@ def _compare_torque_tests(findings: ComputedEntryValues) -> None:
     findings.add_claim("torque_10_single", all(abs(v) <= 10.0 for v in single), ", ".join(f"{v:+.0f} %" for v in single))
     ball, taper = (printed_value(t, "M_test") for t in ("smith-2.3", "smith-3"))
     findings.add_claim("four_times", 3.5 <= taper / ball <= 4.0, f"{taper / ball:.1f} times")
+    rpm = findings.printed("rpm") * bearings.RPM
+    rib = bearings.rib_speed_ft_per_min(rpm)
+    findings.add_remark("rib_speed", f"at the traverse of his axis the rib runs at {rib:.0f} ft/min")
     findings.add_number("disparity", None, f"measured {2.0 * taper / (3.0 * ball):.2f}", follows=4.0 * 2.0 / 3.0)
 
 

@@ -18,9 +18,11 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import load_printed_table
 from rollbench.lowfi import rollers
 from rollbench.lowfi.bearings import angular_contact, as_printed, axis, tapered_roller, torque
+from rollbench.lowfi.rating.displacement import motion_at
+from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.validity import DENT_PRESSURE
-from rollbench.meshes.axis import RollerRow
-from rollbench.meshes.parts import Lubricant, Material
+from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
+from rollbench.meshes.parts import Load, Lubricant, Material, Screw, Support
 from rollbench.meshes.units import parse_quantity
 
 #: Units that Smith's thesis uses, in SI.
@@ -108,7 +110,7 @@ def bearing_rows_at_end(kind: str, end: str, preload: float = PRELOAD) -> axis.B
     if kind == "ball":
         row = angular_contact.BallBearingRow(smith_ball_bearing())
         return axis.equal_rows_with_gap(row, directions, row.deflection(preload))
-    return axis.equal_rows_with_preload(rollers.StraightTaperedRow(smith_tapered_bearing()), directions, preload)
+    return axis.equal_rows_with_preload(rollers.TaperedRow(smith_tapered_bearing()), directions, preload)
 
 
 def screw_bar(left: float = np.inf, right: float = np.inf) -> axis.ScrewShaftSprings:
@@ -425,16 +427,20 @@ CROWN, SLICES = 2.0, 101
 
 
 @cache
-def taper_state() -> tapered_roller.ThrustAndRadialState:
-    """Return the equilibrium of Smith's tapered roller bearing under the thrust and the radial load of his Figure 3-6."""
-    return tapered_roller.solve_thrust_and_radial_equilibrium(smith_tapered_bearing(), SHEET_LOAD, RADIAL)
+def taper_displacements() -> tuple[float, float]:
+    """Return the axial and the radial displacement [m] of Smith's tapered bearing under the loads of his Figure 3-6.
 
-
-@cache
-def taper_contacts() -> rollers.RollerContacts:
-    """Return half widths, pressures and areas of one tapered roller's contacts under the thrust of Smith's Figure 3-6."""
-    b = smith_tapered_bearing()
-    return rollers.roller_line_contacts(b, SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))))
+    The bearing sits on a shaft that cannot tilt.
+    """
+    b, steel, at = smith_tapered_bearing(), Material(YOUNG, POISSON), 0.1
+    row = RollerRow(b.rollers, b.diameter, b.length, b.cup_angle, b.roller_angle, b.depth, steel)
+    bearing = RollingSet("row", "tapered roller bearing", row, at, thrust="+z")
+    upright = Support(at, tuple((name, 0.0) for name in ("uy", "rx", "ry", "rz")))
+    loads = (Load(at, (RADIAL, 0.0, SHEET_LOAD)),)
+    shaft = Screw(2.0 * at, 35e-3, 3e-3, steel)
+    found = solve_assembly(Assembly("taper", "taper", shaft, (bearing,), supports=(upright,), loads=loads))
+    moved = motion_at(found, at)
+    return float(moved[2]), float(moved[0])
 
 
 def taper_stiffness(thrust_lbf: float, depth: float = RING_DEPTH) -> float:
@@ -442,7 +448,7 @@ def taper_stiffness(thrust_lbf: float, depth: float = RING_DEPTH) -> float:
 
     ``thrust_lbf``: thrust [lbf]; ``depth``: depth [m] in the rings down to which the contact deformation is counted.
     """
-    row = rollers.StraightTaperedRow(replace(smith_tapered_bearing(), depth=depth))
+    row = rollers.TaperedRow(replace(smith_tapered_bearing(), depth=depth))
     return row.stiffness(row.deflection(thrust_lbf * POUND)) / POUND_PER_INCH
 
 
@@ -451,7 +457,7 @@ def crowned_tapered_bearing_stiffness(thrust_lbf: float) -> float:
 
     ``thrust_lbf``: thrust [lbf]; the crown's radius is `CROWN`.
     """
-    row = rollers.SlicedTaperedRow(smith_tapered_bearing(), SLICES, rollers.circular_crown_profile(CROWN))
+    row = rollers.TaperedRow(smith_tapered_bearing(), SLICES, rollers.circular_crown_profile(CROWN))
     return row.stiffness(row.deflection(thrust_lbf * POUND)) / POUND_PER_INCH
 
 
@@ -522,12 +528,12 @@ def _compute_taper_spreadsheet(findings: ComputedEntryValues) -> None:
     low, high = taper_deflection_range()
     words = (
         f"3.19 gives {taper_sheet_deflection():.6f} in, over the roundings of the inputs {low:.6f} to {high:.6f}; line "
-        f"contacts to the rings' depth {taper_state().axial_displacement / INCH:.6f}"
+        f"contacts to the rings' depth {taper_displacements()[0] / INCH:.6f}"
     )
-    findings.add_number("delta_a", taper_state().axial_displacement / INCH, words, as_printed=taper_sheet_deflection())
+    findings.add_number("delta_a", taper_displacements()[0] / INCH, words, as_printed=taper_sheet_deflection())
     radial = taper_sheet_deflection() * float(np.tan(b.cup_angle)) / (2.0 * findings.printed("eps") - 1.0)
     words = f"3.20 with the printed eps {radial:.3g} in"
-    findings.add_number("delta_r", taper_state().radial_displacement / INCH, words, as_printed=radial)
+    findings.add_number("delta_r", taper_displacements()[1] / INCH, words, as_printed=radial)
     slopes, printed = [taper_stiffness(f) for f in ENDS], [taper_sheet_stiffness(f) for f in ENDS]
     growth = [float(error_percent(v[1], v[0])) for v in (slopes, printed)]
     words = (
@@ -548,24 +554,26 @@ def _compute_taper_contacts(findings: ComputedEntryValues) -> None:
 
     ``findings``: receives the results.
     """
-    b, c = smith_tapered_bearing(), taper_contacts()
+    b = smith_tapered_bearing()
+    roller_load = SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle)))
+    widths, pressures = rollers.half_widths_and_pressures_of_slices(b, np.array([roller_load / b.length]))
+    areas, rib = 2.0 * widths[0] * b.length, 2.0 * roller_load * float(np.sin(b.roller_angle))
     p = as_printed.roller_contact_as_printed(
         SHEET_LOAD / POUND, b.rollers, b.length / INCH, b.diameter / INCH, b.pitch_diameter / INCH, b.cone_angle
     )
     findings.follow({"a": 0.5 * b.length / INCH})
-    race = SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))) / POUND
-    words = f"race load {race:.0f} lbf with the rib's part, {p.roller_load:.0f} as printed"
-    findings.add_number("b", float(c.half_widths[0]) / INCH, words, as_printed=p.half_width)
-    findings.add_number("A", float(c.areas[0]) / INCH**2, words, as_printed=p.contact_area)
-    findings.add_number("sigma", float(c.pressures[0]) / PSI, words, as_printed=p.pressure)
+    words = f"race load {roller_load / POUND:.0f} lbf with the rib's part, {p.roller_load:.0f} as printed"
+    findings.add_number("b", float(widths[0, 0]) / INCH, words, as_printed=p.half_width)
+    findings.add_number("A", float(areas[0]) / INCH**2, words, as_printed=p.contact_area)
+    findings.add_number("sigma", float(pressures[0, 0]) / PSI, words, as_printed=p.pressure)
     a_rib, b_rib, area = (findings.printed(k) for k in ("rib_a", "rib_b", "rib_A"))
     load = 2.0 / 3.0 * np.pi * a_rib * b_rib * findings.printed("rib_sigma")
-    words = f"printed ellipse and pressure need {load:.0f} lbf, balance of the roller gives {c.rib_load / POUND:.0f}"
+    words = f"printed ellipse and pressure need {load:.0f} lbf, balance of the roller gives {rib / POUND:.0f}"
     for key in ("rib_a", "rib_b", "rib_sigma"):
         findings.add_number(key, None, words)
     words = "pi a b of the printed semi-axes beside a b"
     findings.add_number("rib_A", None, words, as_printed=a_rib * b_rib, follows=np.pi * a_rib * b_rib)
-    ours = b.rollers * float(c.areas.sum()) / INCH**2
+    ours = b.rollers * float(areas.sum()) / INCH**2
     inner, outer = (float(a) / INCH**2 for a in ball_bearing_state(SHEET_LOAD).contact_areas())
     balls = smith_ball_bearing().balls * (inner + outer)
     findings.add_number("area_taper", ours, as_printed=2.0 * b.rollers * p.contact_area)
@@ -589,6 +597,14 @@ def torque_of_tapered_row_in_lbf(thrust: float) -> tuple[float, float]:
     assert found.low is not None
     assert found.high is not None
     return found.low / INCH_POUND, found.high / INCH_POUND
+
+
+def rib_speed_ft_per_min(speed: float) -> float:
+    """Return the speed of the cone's rib [ft/min] where it touches the rollers; ``speed``: of the shaft [rad/s]."""
+    b = smith_tapered_bearing()
+    from_apex = 0.5 * b.diameter / np.tan(b.roller_angle) + 0.5 * b.length
+    radius = from_apex * np.sin(b.cup_angle - 2.0 * b.roller_angle) / np.cos(b.roller_angle)
+    return float(60.0 * speed * radius / (12.0 * INCH))
 
 
 def torque_band_words(thrust: float) -> str:
@@ -623,6 +639,8 @@ def _compute_taper_tests(findings: ComputedEntryValues) -> None:
     unit = torque.timken_running_torque(1.0, viscosity, SPEED, TAPER_TORQUE_LOAD) / INCH_POUND
     ours = torque_band_words(TAPER_TORQUE_LOAD)
     findings.add_number("M", None, f"{ours}; by Timken {unit:.4f} in-lb times G_1: needs G_1 = {implied:.0f}")
+    factor = 1700.0 * (TAPER_TORQUE_LOAD / POUND) ** 0.67 / (SPEED / RPM * 1e3 * viscosity)
+    findings.add_remark("least_speed", f"{SPEED / RPM:.0f} rpm is enough if G_2 is at least {factor:.1f}")
     test = findings.printed("M_test")
     findings.add_number("M_test", None, f"{ours}; needs G_1 = {test / unit:.0f}")
     findings.follow({"M_test_2": 2.0 * test})

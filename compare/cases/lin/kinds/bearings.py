@@ -13,17 +13,19 @@ from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
+from rollbench.compare.cases.lin.kinds import common
 from rollbench.compare.scenes import keys as scenes_keys
 from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.scenes.fault import Fault
-from rollbench.compare.scenes.friction_kinds import common
-from rollbench.compare.scenes.keys import SceneFileTable, key
+from rollbench.compare.scenes.keys import SceneFileTable
+from rollbench.compare.scenes.kinds import FrictionSceneKeys
 from rollbench.lowfi.friction.bearing import ALL, DIAGONAL, OTHER, BallRow, Bearing, BearingCase
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, Loads, contact_angle_deviations
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.meshes import ranges
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.ranges import ContactAngle, Force, IntegerRange, ListLength, QuantityRange, RateRange, Size, Switch
+from rollbench.meshes.ranges import ContactAngle, Force, ListLength, Plain, QuantityRange, RateRange, Size, Switch
+from rollbench.meshes.record_keys import scene_key
 from rollbench.meshes.scene_text import Table, with_unit, without_empty_values
 
 #: Name of a friction law.
@@ -48,34 +50,34 @@ MapStep = Annotated[float, QuantityRange("number", 0, 1, 0.08, lower_limit_exclu
 class InnerRingLoadKeys(SceneFileTable):
     """Axial force and radial displacement of the inner ring."""
 
-    axial_force: Axial = key("force on the inner ring along its axis")
-    radial_displacement: Move = key("radial displacement of the inner ring towards the ball", 0.0, "5 um")
+    axial_force: Axial = scene_key("force on the inner ring along its axis")
+    radial_displacement: Move = scene_key("radial displacement of the inner ring towards the ball", "5 um", default=0.0)
 
 
 class FrictionLawKeys(scenes_keys.CoulombFrictionKeys):
     """Coefficient of friction between ball and grooves, and the friction law."""
 
-    law: Law = key(
+    law: Law = scene_key(
         "friction law: Coulomb's; Coulomb's, reduced at small sliding speeds (regularised); or the sigmoid of Lin (3.20)",
         "coulomb",
-        "coulomb",
+        default="coulomb",
     )
-    creep: Creep | None = key('sliding speed below which friction is reduced, for law = "regularised"', None)
-    sharpness: Sharpness | None = key('parameter k_S of the law "sigmoid"', None)
-    map_step: MapStep | None = key(
+    creep: Creep | None = scene_key('sliding speed below which friction is reduced, for law = "regularised"', default=None)
+    sharpness: Sharpness | None = scene_key('parameter k_S of the law "sigmoid"', default=None)
+    map_step: MapStep | None = scene_key(
         'step of c/a in the friction tables of law = "sigmoid" (c: distance of the centre of rotation from the '
         "centre of the contact; a: semi-axis of the contact); if left out, exact integrals instead of tables",
-        None,
+        default=None,
     )
 
 
 class BearingBallKeys(common.HertzSceneKeys, common.EqualGrooveKeys):
     """One ball of a rotary bearing; the inner ring turns, the outer ring is fixed."""
 
-    kind: Literal["bearing ball"] = key("what the scene describes", example="bearing ball")
-    load: InnerRingLoadKeys = key("force and displacement of the inner ring")
-    motion: scenes_keys.RingSpeedKeys = key("motion of the inner ring")
-    friction: FrictionLawKeys = key("friction")
+    kind: Literal["bearing ball"] = scene_key("what the scene describes", "bearing ball")
+    load: InnerRingLoadKeys = scene_key("force and displacement of the inner ring")
+    motion: scenes_keys.RingSpeedKeys = scene_key("motion of the inner ring")
+    friction: FrictionLawKeys = scene_key("friction")
 
 
 @dataclass(frozen=True)
@@ -172,47 +174,49 @@ LoadAngle = Annotated[float, QuantityRange("angle", "0 deg", "90 deg", "18 deg")
 class BearingRowBallKeys(scenes_keys.BallSizeKeys):
     """Evenly spaced balls of one bearing row: their size and number."""
 
-    count: Annotated[int, IntegerRange(1, 1000)] = key("balls in a row", example=9)
+    count: Annotated[int, Plain("int", 1, 1000)] = scene_key("balls in a row", 9)
 
 
 class RotaryBearingKeys(common.EqualGrooveKeys):
     """Rotary bearing whose inner ring turns and whose outer ring is fixed."""
 
-    balls: BearingRowBallKeys = key("balls of each row")
+    balls: BearingRowBallKeys = scene_key("balls of each row")
 
 
 class BearingRowsKeys(SceneFileTable):
     """Distance and arrangement of the two rows of balls of a double-row bearing."""
 
-    distance: Size = key("axial distance of the rows", example="12 mm")
-    arrangement: Literal["back to back", "face to face"] = key("arrangement of the rows", "back to back", "back to back")
+    distance: Size = scene_key("axial distance of the rows", "12 mm")
+    arrangement: Literal["back to back", "face to face"] = scene_key(
+        "arrangement of the rows", "back to back", default="back to back"
+    )
 
 
 class DoubleRowBearingKeys(RotaryBearingKeys):
     """Double-row angular-contact bearing."""
 
-    rows: BearingRowsKeys = key("the rows")
+    rows: BearingRowsKeys = scene_key("the rows")
 
 
 class InnerRingForceKeys(SceneFileTable):
     """Force on the inner ring through the bearing's centre, at several angles to the axis; whether the ring may tilt."""
 
-    force: common.Pressing = key("magnitude of the force on the inner ring")
-    angles: Annotated[tuple[LoadAngle, ...], ListLength(2, 500)] = key(
-        "angles between the force and the bearing axis, in ascending order", example=["0 deg", "10 deg", "18 deg"]
+    force: common.Pressing = scene_key("magnitude of the force on the inner ring")
+    angles: Annotated[tuple[LoadAngle, ...], ListLength(2, 500)] = scene_key(
+        "angles between the force and the bearing axis, in ascending order", ["0 deg", "10 deg", "18 deg"]
     )
-    tilt: Switch = key("whether the inner ring is free to tilt", True, True)
+    tilt: Switch = scene_key("whether the inner ring is free to tilt", True, default=True)
 
 
 class BearingPairKeys(common.HertzSceneKeys):
     """Four-point bearing and double-row bearing under the same force."""
 
-    kind: Literal["bearing pair"] = key("what the scene describes", example="bearing pair")
-    four_point: RotaryBearingKeys = key("the four-point bearing")
-    double_row: DoubleRowBearingKeys = key("the double-row bearing")
-    load: InnerRingForceKeys = key("force on the inner ring")
-    motion: scenes_keys.RingSpeedKeys = key("motion of the inner ring")
-    friction: scenes_keys.CoulombFrictionKeys = key("friction")
+    kind: Literal["bearing pair"] = scene_key("what the scene describes", "bearing pair")
+    four_point: RotaryBearingKeys = scene_key("the four-point bearing")
+    double_row: DoubleRowBearingKeys = scene_key("the double-row bearing")
+    load: InnerRingForceKeys = scene_key("force on the inner ring")
+    motion: scenes_keys.RingSpeedKeys = scene_key("motion of the inner ring")
+    friction: scenes_keys.CoulombFrictionKeys = scene_key("friction")
 
 
 @dataclass(frozen=True)
@@ -296,83 +300,83 @@ SideRatio = Annotated[float, QuantityRange("number", -10, 10, -0.6)]
 class LinearTrackKeys(SceneFileTable):
     """Contact angle of a linear bearing, whose ball centres move on a straight path."""
 
-    contact_angle: ContactAngle = key("nominal angle between contact normals and vertical force")
+    contact_angle: ContactAngle = scene_key("nominal angle between contact normals and vertical force")
 
 
 class CarriageForceKeys(SceneFileTable):
     """Vertical force of the carriage on each ball of a linear bearing, and how contact loads follow from it."""
 
-    vertical_force: common.Pressing = key("vertical force of the carriage on each ball")
-    distribution: Loads = key(
+    vertical_force: common.Pressing = scene_key("vertical force of the carriage on each ball")
+    distribution: Loads = scene_key(
         "how the four contact loads of a ball follow from the forces on it: equilibrium at fixed contact angles; "
         "equal loads at opposite contacts (one diagonal); or elastic contacts with changing angles",
-        "balanced",
         "elastic",
+        default="balanced",
     )
 
 
 class CarriageForceOnPairKeys(CarriageForceKeys):
     """Force of the carriage on two balls of a linear bearing; the side forces on the two balls are opposite."""
 
-    side_force_ratio: SideRatio = key("side force on the first ball divided by vertical_force")
+    side_force_ratio: SideRatio = scene_key("side force on the first ball divided by vertical_force")
 
 
 class CarriageSpeedKeys(SceneFileTable):
     """Speed of the carriage of a linear bearing."""
 
-    carriage: Speed = key("speed of the carriage along the track")
+    carriage: Speed = scene_key("speed of the carriage along the track")
 
 
 class BottomAngleDeviationKeys(SceneFileTable):
     """Contact angles at the bottom groove: smaller than nominal on the left, larger by the same amount on the right."""
 
-    deviation: common.Theta = key(
+    deviation: common.Theta = scene_key(
         "theta: contact angles are the nominal angle minus theta at bottom left, plus theta at bottom right"
     )
-    mated: Switch = key(
+    mated: Switch = scene_key(
         "whether the contact angles at the top groove deviate too, so that the two contacts on each diagonal of a "
         "ball stay diametrically opposite (Lin 3.3.4.2)",
         False,
-        False,
+        default=False,
     )
 
 
 class BallOfChainKeys(SceneFileTable):
     """One ball in a chain of balls of a linear bearing: side force, contact angles, and gap to the next ball."""
 
-    side_force_ratio: SideRatio = key("side force divided by vertical_force", 0.0)
-    angle_deviations: Annotated[tuple[common.Theta, ...], ListLength(4, 4)] = key(
+    side_force_ratio: SideRatio = scene_key("side force divided by vertical_force", default=0.0)
+    angle_deviations: Annotated[tuple[common.Theta, ...], ListLength(4, 4)] = scene_key(
         "deviations of the contact angles from the nominal angle, at bottom left, bottom right, top right, top left",
-        (0.0, 0.0, 0.0, 0.0),
         ["-2 deg", "2 deg", "0 deg", "0 deg"],
+        default=(0.0, 0.0, 0.0, 0.0),
     )
-    gap: common.Gap = key("gap to the next ball; 0: the two balls may touch", 0.0, "0.5 mm")
+    gap: common.Gap = scene_key("gap to the next ball; 0: the two balls may touch", "0.5 mm", default=0.0)
 
 
-class LinearBearingKeys(common.FrictionSceneKeys):
+class LinearBearingKeys(FrictionSceneKeys):
     """Linear bearing with balls between equal gothic-arch grooves at bottom and top."""
 
-    track: LinearTrackKeys = key("path of the ball centres")
-    grooves: scenes_keys.GrooveKeys = key("cross-section of both grooves", example={"conformity": 0.56})
-    balls: scenes_keys.BallSizeKeys = key("the balls")
-    motion: CarriageSpeedKeys = key("motion of the carriage")
-    friction: common.BallFrictionKeys = key("friction")
+    track: LinearTrackKeys = scene_key("path of the ball centres")
+    grooves: scenes_keys.GrooveKeys = scene_key("cross-section of both grooves", {"conformity": 0.56})
+    balls: scenes_keys.BallSizeKeys = scene_key("the balls")
+    motion: CarriageSpeedKeys = scene_key("motion of the carriage")
+    friction: common.BallFrictionKeys = scene_key("friction")
 
 
 class LinearPairKeys(LinearBearingKeys):
     """Two balls of a linear bearing, which may touch each other."""
 
-    kind: Literal["linear pair"] = key("what the scene describes", example="linear pair")
-    angles: BottomAngleDeviationKeys = key("contact angles")
-    load: CarriageForceOnPairKeys = key("force of the carriage")
+    kind: Literal["linear pair"] = scene_key("what the scene describes", "linear pair")
+    angles: BottomAngleDeviationKeys = scene_key("contact angles")
+    load: CarriageForceOnPairKeys = scene_key("force of the carriage")
 
 
 class LinearChainKeys(LinearBearingKeys):
     """Chain of balls in a linear bearing, which may touch each other."""
 
-    kind: Literal["linear chain"] = key("what the scene describes", example="linear chain")
-    load: CarriageForceKeys = key("force of the carriage")
-    chain: Annotated[tuple[BallOfChainKeys, ...], ListLength(1, 500)] = key("balls in order along the track")
+    kind: Literal["linear chain"] = scene_key("what the scene describes", "linear chain")
+    load: CarriageForceKeys = scene_key("force of the carriage")
+    chain: Annotated[tuple[BallOfChainKeys, ...], ListLength(1, 500)] = scene_key("balls in order along the track")
 
 
 @dataclass(frozen=True)

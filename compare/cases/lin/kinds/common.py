@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
 
 from rollbench.compare.errors import escape_unprintable
 from rollbench.compare.scenes import keys as scenes_keys
-from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.scenes.fault import Fault, length_text
 from rollbench.compare.scenes.key_checks import groove_definition_faults
-from rollbench.compare.scenes.keys import SceneFileTable, key
+from rollbench.compare.scenes.keys import SceneFileTable
+from rollbench.compare.scenes.kinds import FrictionSceneKeys
 from rollbench.lowfi.friction.screw.groove import Mode, ScrewGroove
 from rollbench.meshes.ranges import Coefficient, ContactAngle, Deviation, Lead, Modulus, QuantityRange, Radius
+from rollbench.meshes.record_keys import scene_key
 from rollbench.meshes.scene_text import Table, with_unit
 from rollbench.meshes.stated import groove_table
-
-
-class FrictionSceneKeys(scenes_keys.TitleKeys):
-    """Keys in the file of every scene for which only friction is computed: kind, material, title."""
-
-    kind: str = key("what the scene describes")
-    material: scenes_keys.MaterialKeys = key("material of all parts", example=scenes_keys.MATERIAL)
-
 
 #: Name, title, source of the data, and assumptions of a scene.
 Head = tuple[str, str, str, tuple[str, ...]]
@@ -35,18 +27,6 @@ def head_of_scene(keys: FrictionSceneKeys, name: str) -> Head:
     """Return the first fields of the record of a friction scene: ``name``, title, source of the data, and assumptions."""
     assumed = tuple(map(escape_unprintable, keys.assumed))
     return name, escape_unprintable(keys.title), escape_unprintable(keys.source), assumed
-
-
-@dataclass(frozen=True)
-class FrictionSceneKind:
-    """Kind of scene for which only friction is computed: how its file is read."""
-
-    #: Class of the keys of the scene file.
-    key_class: type[FrictionSceneKeys]
-    #: Function that yields the faults of the keys.
-    faults_of_keys: Callable[[Any], Iterator[Fault]]
-    #: Function that returns the scene from its keys and its name.
-    scene_from_keys: Callable[[Any, str], FrictionScene]
 
 
 #: Force that presses a part onto balls [N], above zero.
@@ -65,18 +45,18 @@ Theta = Annotated[float, QuantityRange("angle", "-15 deg", "15 deg", "2 deg")]
 class BallRadiusErrorKeys(SceneFileTable):
     """Manufacturing errors of the balls: here only an oversize, which all ball radii have in common."""
 
-    balls: scenes_keys.BallOversizeKeys = key(
-        "errors of the ball radii", scenes_keys.BallOversizeKeys(), {"oversize": "1.7 um"}
+    balls: scenes_keys.BallOversizeKeys = scene_key(
+        "errors of the ball radii", {"oversize": "1.7 um"}, default=scenes_keys.BallOversizeKeys()
     )
 
 
 class HertzConstantKeys(SceneFileTable):
     """Source of the Hertz constants of the contacts: exact calculation, or Lin's Table B.1 with its errors."""
 
-    hertz: Literal["nominal", "as printed"] = key(
+    hertz: Literal["nominal", "as printed"] = scene_key(
         "Hertz constants: exact at the nominal contact angle, or as printed with the errors of Lin's Table B.1",
         "nominal",
-        "nominal",
+        default="nominal",
     )
 
     @property
@@ -88,27 +68,31 @@ class HertzConstantKeys(SceneFileTable):
 class BallFrictionKeys(scenes_keys.CoulombFrictionKeys):
     """Coulomb friction between balls and grooves, and between neighbouring balls."""
 
-    balls: Coefficient | None = key(
-        "coefficient of friction between balls; if left out, that between balls and grooves", None
+    balls: Coefficient | None = scene_key(
+        "coefficient of friction between balls; if left out, that between balls and grooves", default=None
     )
 
 
 class EqualGrooveKeys(SceneFileTable):
     """Ball path, balls, and grooves of equal radius on both parts of a bearing or screw."""
 
-    track: scenes_keys.BallPathKeys = key("path of the ball centres, of zero lead")
-    screw: scenes_keys.GrooveKeys = key("groove of the screw, or of the inner ring", example={"conformity": 0.54})
-    nut: scenes_keys.GrooveKeys = key(
-        "groove of the nut, or of the outer ring, with the same radius", example={"conformity": 0.54}
+    track: scenes_keys.BallPathKeys = scene_key("path of the ball centres, of zero lead")
+    screw: scenes_keys.GrooveKeys = scene_key("groove of the screw, or of the inner ring", {"conformity": 0.54})
+    nut: scenes_keys.GrooveKeys = scene_key(
+        "groove of the nut, or of the outer ring, with the same radius", {"conformity": 0.54}
     )
-    balls: scenes_keys.BallSizeKeys = key("size of the balls")
-    errors: BallRadiusErrorKeys = key("geometric errors", BallRadiusErrorKeys(), {"balls": {"oversize": "1.7 um"}})
+    balls: scenes_keys.BallSizeKeys = scene_key("size of the balls")
+    errors: BallRadiusErrorKeys = scene_key(
+        "geometric errors", {"balls": {"oversize": "1.7 um"}}, default=BallRadiusErrorKeys()
+    )
 
 
 class HertzSceneKeys(FrictionSceneKeys):
     """Scene for which only friction is computed, with a choice of the Hertz constants."""
 
-    ingredients: HertzConstantKeys = key("options of the low-order model", HertzConstantKeys(), {"hertz": "nominal"})
+    ingredients: HertzConstantKeys = scene_key(
+        "options of the low-order model", {"hertz": "nominal"}, default=HertzConstantKeys()
+    )
 
 
 def material_faults(material: scenes_keys.MaterialKeys) -> Iterator[Fault]:

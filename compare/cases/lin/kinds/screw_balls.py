@@ -9,18 +9,19 @@ from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
+from rollbench.compare.cases.lin.kinds import common
+from rollbench.compare.cases.lin.kinds.common import head_of_scene
 from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.scenes.fault import Fault, length_text
-from rollbench.compare.scenes.friction_kinds import common
-from rollbench.compare.scenes.friction_kinds.common import head_of_scene
 from rollbench.compare.scenes.key_checks import simulation_time_faults
-from rollbench.compare.scenes.keys import BallHelixKeys, BallSizeKeys, SceneFileTable, key, record_from_keys
+from rollbench.compare.scenes.keys import BallHelixKeys, BallSizeKeys, SceneFileTable, record_from_keys
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import Pair, Run
 from rollbench.meshes import ranges
 from rollbench.meshes.parts import Motion, Time
-from rollbench.meshes.ranges import Azimuth, Force, IntegerRange, ListLength, QuantityRange, Turning, Turns
+from rollbench.meshes.ranges import Azimuth, Force, ListLength, Plain, QuantityRange, Turning, Turns
+from rollbench.meshes.record_keys import scene_key
 from rollbench.meshes.scene_text import Table, keys_of_record, with_unit, without_empty_values
 
 #: Factor on the deviation of a contact angle.
@@ -43,9 +44,11 @@ _PATTERN = "factors on the deviation for the contact angles at SL, SR, NL, NR (s
 class ScrewLoadKeys(SceneFileTable):
     """Force on the screw, and the direction in which it acts and the screw can move; the nut is fixed."""
 
-    force: common.AxialLoad = key("force on the screw")
-    direction: Direction = key(
-        "direction of the force and of the screw's motion: along the axis, or radial at every ball", "axial", "axial"
+    force: common.AxialLoad = scene_key("force on the screw")
+    direction: Direction = scene_key(
+        "direction of the force and of the screw's motion: along the axis, or radial at every ball",
+        "axial",
+        default="axial",
     )
 
 
@@ -55,46 +58,48 @@ class ScrewFrictionKeys(common.BallFrictionKeys):
     Friction that displaces the balls changes their contact loads; it may also change the position of the screw.
     """
 
-    coupling: Coupling = key(
+    coupling: Coupling = scene_key(
         "bodies whose displacement by friction changes the contact loads: none, the balls, or balls and screw",
-        "none",
         "ball",
+        default="none",
     )
 
 
 class BallPairAngleKeys(SceneFileTable):
     """Deviations of the contact angles of two balls from the nominal contact angle."""
 
-    deviations: Annotated[tuple[common.Theta, ...], ListLength(2, 2)] = key(
-        "deviation theta from the nominal angle at the rear ball and at the front ball", example=["0 deg", "2 deg"]
+    deviations: Annotated[tuple[common.Theta, ...], ListLength(2, 2)] = scene_key(
+        "deviation theta from the nominal angle at the rear ball and at the front ball", ["0 deg", "2 deg"]
     )
-    pattern: Pattern = key(_PATTERN, (1.0, 1.0, 0.0, 0.0), [1, 1, 0, 0])
+    pattern: Pattern = scene_key(_PATTERN, [1, 1, 0, 0], default=(1.0, 1.0, 0.0, 0.0))
 
 
 class AngleVariationKeys(SceneFileTable):
     """Deviation of contact angles from the nominal angle: theta = amplitude * sin(cycles_per_turn * azimuth + phase)."""
 
-    amplitude: common.Theta = key("amplitude of theta")
-    cycles_per_turn: Cycles = key("number of periods of theta per turn of the screw", 2.0, 2)
-    phase: Azimuth = key("phase of theta", 0.0, "90 deg")
-    pattern: Pattern = key(_PATTERN, (1.0, 1.0, 0.0, 0.0), [1, 1, 0, 0])
-    follows: Literal["screw", "nut"] = key(
-        "part to which the pattern of theta is attached, and in whose axes the azimuth is measured", "screw", "nut"
+    amplitude: common.Theta = scene_key("amplitude of theta")
+    cycles_per_turn: Cycles = scene_key("number of periods of theta per turn of the screw", 2, default=2.0)
+    phase: Azimuth = scene_key("phase of theta", "90 deg", default=0.0)
+    pattern: Pattern = scene_key(_PATTERN, [1, 1, 0, 0], default=(1.0, 1.0, 0.0, 0.0))
+    follows: Literal["screw", "nut"] = scene_key(
+        "part to which the pattern of theta is attached, and in whose axes the azimuth is measured", "nut", default="screw"
     )
 
 
 class CircuitBallKeys(BallSizeKeys):
     """Balls of a closed ball circuit: size, number, and loaded turns."""
 
-    count: Annotated[int, IntegerRange(2, 1000)] = key("number of balls", example=37)
-    turns: Turns = key("number of turns in the nut over which balls carry load")
+    count: Annotated[int, Plain("int", 2, 1000)] = scene_key("number of balls", 37)
+    turns: Turns = scene_key("number of turns in the nut over which balls carry load")
 
 
 class BallReturnKeys(SceneFileTable):
     """Return of the balls in a closed circuit: length of the return tube, and position of the first ball."""
 
-    return_tube: common.Gap = key("length of the return tube, in which balls carry no load", 0.0, "5.6 mm")
-    first_ball: Part = key("initial position of the first ball, as a fraction of the distance between balls", 0.5, 0.5)
+    return_tube: common.Gap = scene_key("length of the return tube, in which balls carry no load", "5.6 mm", default=0.0)
+    first_ball: Part = scene_key(
+        "initial position of the first ball, as a fraction of the distance between balls", 0.5, default=0.5
+    )
 
 
 class SimulationTimeKeys(SceneFileTable, Time):
@@ -103,38 +108,38 @@ class SimulationTimeKeys(SceneFileTable, Time):
     One iteration solves the contact loads under given friction, then the friction under these loads.
     """
 
-    rounds: Annotated[int, IntegerRange(1, 100)] = key(
+    rounds: Annotated[int, Plain("int", 1, 100)] = scene_key(
         "iterations in each time step, each of the contact loads and then of friction; 1: contact loads under the "
         "friction of the previous time step",
         1,
-        1,
+        default=1,
     )
 
 
 class BallScrewFrictionKeys(common.HertzSceneKeys, common.EqualGrooveKeys):
     """Ball screw with load, motion and friction; only the speed of nut and screw relative to each other matters."""
 
-    track: BallHelixKeys = key("path of the ball centres")
-    load: ScrewLoadKeys = key("force on the screw")
-    motion: Motion = key("motion along the helix")
-    friction: ScrewFrictionKeys = key("friction")
+    track: BallHelixKeys = scene_key("path of the ball centres")
+    load: ScrewLoadKeys = scene_key("force on the screw")
+    motion: Motion = scene_key("motion along the helix")
+    friction: ScrewFrictionKeys = scene_key("friction")
 
 
 class ScrewPairKeys(BallScrewFrictionKeys):
     """Two neighbouring balls of a ball screw that touch each other."""
 
-    kind: Literal["screw pair"] = key("what the scene describes", example="screw pair")
-    angles: BallPairAngleKeys = key("contact angles")
+    kind: Literal["screw pair"] = scene_key("what the scene describes", "screw pair")
+    angles: BallPairAngleKeys = scene_key("contact angles")
 
 
 class ScrewSimulationKeys(BallScrewFrictionKeys):
     """Whole ball screw that turns for some time."""
 
-    kind: Literal["screw run"] = key("what the scene describes", example="screw run")
-    balls: CircuitBallKeys = key("balls of the closed track")
-    circulation: BallReturnKeys = key("return of the balls", BallReturnKeys(), {"return_tube": "5.6 mm"})
-    angles: AngleVariationKeys = key("contact angles")
-    time: SimulationTimeKeys = key("simulation over time", example={"duration": "2 s"})
+    kind: Literal["screw run"] = scene_key("what the scene describes", "screw run")
+    balls: CircuitBallKeys = scene_key("balls of the closed track")
+    circulation: BallReturnKeys = scene_key("return of the balls", {"return_tube": "5.6 mm"}, default=BallReturnKeys())
+    angles: AngleVariationKeys = scene_key("contact angles")
+    time: SimulationTimeKeys = scene_key("simulation over time", {"duration": "2 s"})
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,0 @@
-"""Keys and records of the kinds of scenes for which only friction is computed."""
