@@ -7,8 +7,8 @@ import typing
 
 import numpy as np
 
-from rollbench.compare.scenes.friction_kinds import bearings
-from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
+from rollbench.compare.cases.lin.kinds import bearings
+from rollbench.compare.cases.lin.kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.rolling.bodies import Sizes
 from rollbench.meshes.axis import Assembly

@@ -44,15 +44,15 @@ def figure(name="loads", **changes):
 
 
 def table(name="printed"):
-    first, force = TableColumn("q", "Quantity, of all", format="s"), TableColumn("force", "Force", "N")
-    words = (TableColumn(word.lower(), word, format="s") for word in ("Class", "Verdict"))
-    columns = (first, force, TableColumn("error", "Error", "%", ".2f"), *words, TableColumn("ok", "Met"))
-    rows = (
-        {"q": '<b>"a"</b>', "force": 1.0 / 3.0, "error": -0.5, "class": "hard", "verdict": "reproduced", "ok": True},
-        {"q": "b, c", "force": None, "error": math.nan, "class": "open", "verdict": "contradicted", "ok": False},
-        {"q": "two\nlines", "force": np.float64(2.1e8), "class": "as-printed", "verdict": "open", "ok": np.True_},
-    )
-    return Table(name, "Printed <and> computed", columns, rows, note="Error: 1 < 2.")
+    columns = {
+        TableColumn("q", "Quantity, of all", format="s"): ['<b>"a"</b>', "b, c", "two\nlines"],
+        TableColumn("force", "Force", "N"): [1.0 / 3.0, None, np.float64(2.1e8)],
+        TableColumn("error", "Error", "%", ".2f"): [-0.5, math.nan, None],
+        TableColumn("class", "Class", format="s", mark="class"): ["hard", "open", "as-printed"],
+        TableColumn("verdict", "Verdict", format="s", mark="verdict"): ["reproduced", "contradicted", "open"],
+        TableColumn("ok", "Met"): [True, False, np.True_],
+    }
+    return Table(name, "Printed <and> computed", columns, note="Error: 1 < 2.")
 
 
 def screw(scene="lin-case1", **changes):
@@ -68,7 +68,7 @@ def screw(scene="lin-case1", **changes):
 
 
 def report(*items):
-    empty = Table("empty", "None", [TableColumn("a", "A")], [])
+    empty = Table("empty", "None", {TableColumn("a", "A"): []})
     sections = (
         Section("first", "First & foremost", items or (Text(["A < B."]), table(), figure())),
         Section("second", "Second", (Text(["one", "two <i>"], bullets=True), empty)),

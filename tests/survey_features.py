@@ -5,8 +5,9 @@ low-order models (five minutes of one core); measured errors and loads of the re
 """
 
 from rollbench.compare.models.applicability import DESCRIPTORS, SURVEY
+from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.model_form import features_of_scene
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import survey

@@ -10,7 +10,8 @@ import pytest
 
 from rollbench.compare.cases.lin.evidence.source_cases import oversized_pair
 from rollbench.compare.cases.liu import evidence as liu
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.models.study import with_ball_count
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import FrictionScene
@@ -19,7 +20,7 @@ from rollbench.compare.studies.members.members import solve_random_draws_of_scen
 from rollbench.compare.studies.rolling.cases import prepare_rolling_case
 from rollbench.compare.studies.rolling.runs import LEVELS
 from rollbench.compare.studies.sweep.keys import read_varied_keys
-from rollbench.compare.studies.sweep.sample import VariedScene, solve_sample
+from rollbench.compare.studies.sweep.sample import VariedScene, solve_samples
 from rollbench.hifi.rolling.balls import RollingSettings, solve_half_space_contact_under_1_N, solve_rolling
 from rollbench.lowfi.as_source.liu.ensemble import solve_ensemble
 from rollbench.lowfi.as_source.newton import solve_by_lin_equations
@@ -98,7 +99,7 @@ def test_sample_of_a_sweep(benchmark, varied):
 
     def sample():
         value = vary.value_at_relative_position((0.618 * next(numbers)) % 1.0)
-        solve_sample(VariedScene(text, "lin-pitch.toml", (vary,)), [value], "refined")
+        solve_samples(VariedScene(text, "lin-pitch.toml", (vary,)), [[value]], "refined")
 
     timed(benchmark, sample)
 

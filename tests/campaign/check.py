@@ -203,6 +203,7 @@ def off_the_law(scene: Scene, result: StaticResult) -> str:
             from_axis = centre + np.einsum("na,nak->nk", drawn.groove_centres[:, s], axes)
             from_axis[:, 2] -= z[station]
             moved[:, s] = carried(from_axis, u[station])
+            furthest = max(furthest, largest(u[station][:, :3]))  # a flank's motion may be the small sum of large parts
         furthest = max(furthest, largest(moved))
         here = by_law(scene, result, drawn, moved)
         law = np.where(np.abs(here - result.load) < np.abs(law - result.load), here, law)

@@ -26,8 +26,8 @@ from rollbench.meshes.section import contact_force_positions, screw_section, tub
 
 #: Sides that a set has, by its thrust.
 SIDES_OF = {"both": (0, 1, 2, 3), "+z": (0, 3), "-z": (1, 2), "deep groove": (0, 3)}
-#: Share of the largest force that may be out of balance.
-CLOSE = 1e-9
+#: Share of the largest force that may be out of balance; force [N] that may be, the round-off of rollers that just touch.
+CLOSE, TOUCH = 1e-9, 1e-15
 #: Round-off of an elastic force over its stiffness times the motions: some operations of each.
 STIFF = 64.0 * float(np.finfo(float).eps)
 #: Words for a free motion that is pinned at the shaft's first node or at a housing, where planar sections may ask for a
@@ -103,7 +103,7 @@ def unbalanced(assembly: Assembly, result: AxisResult, free: str) -> str:
         return "loads are not finite, or negative"
     size, z, q = size_of(assembly, result), result.centreline_z, result.centreline
     internal, noise = beam(assembly, z, q)
-    rest, slack = -internal, 0.0
+    rest, slack = -internal, TOUCH
     places = {h.name: h.at for h in assembly.housings}
     bodies = {h.name: np.concatenate([h.force, h.moment]) for h in assembly.housings}
     for x in assembly.loads:

@@ -19,7 +19,8 @@ from tests.campaign.draw_axes import axis_text
 from rollbench.compare import __version__
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models.many import record_as_checked_line, record_from_checked_line
-from rollbench.compare.models.registry import MODELS, ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.compare.provenance import sources_hash
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import extremes

@@ -29,6 +29,8 @@ ONCE_BAD = {
     (9201, 182): extremes.PROVEN,  # at mounting a preload draws the balls of another row across its groove's bottom
     (9501, 225): extremes.PROVEN,  # a ball on the bottom itself, at an angle of round-off: nothing holds its row together
     (9802, 254): extremes.RIGHT,  # rollers that nothing presses, with loads of 1e-27 N
+    (880601, 215): extremes.RIGHT,  # sets that just touch: a shaft between forces of 1e-16 N was out of balance
+    (881301, 90): extremes.RIGHT,  # rollers that just touch, with 3e-16 N on a housing
     (9501, 293): extremes.RIGHT,  # an outer part tied stiffly to a housing that turns by 4 mrad at mounting
     (9301, 160): extremes.PROVEN,  # the same by a preload on a housing that moves
 }

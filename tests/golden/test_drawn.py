@@ -21,12 +21,13 @@ from tests.campaign.draw_axes import axis_text
 from tests.golden.means import answered, numbers_by_name
 
 from rollbench.compare.errors import InputError, SceneNotCoveredError
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.models.set_results import SetResult
 from rollbench.compare.results.solved import Result
 from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.scenes.duty_cycle import KINDS
+from rollbench.compare.scenes.kinds import friction_scene_kinds
 from rollbench.compare.studies import survey
 from rollbench.meshes.axis import Assembly
 
@@ -171,7 +172,7 @@ def of_kind(number: int) -> str:
 
 def of_a_kind(name: str) -> bool:
     """Whether only friction solves a shipped scene, in little time."""
-    return catalogue.top_level_keys(name).get("kind") in KINDS and not name.startswith("lin-screw-run")
+    return catalogue.top_level_keys(name).get("kind") in friction_scene_kinds() and not name.startswith("lin-screw-run")
 
 
 #: Of each kind: what draws the scene of a number, models that solve it in turns or a command, and how many there are.

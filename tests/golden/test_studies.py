@@ -19,10 +19,12 @@ from tests.helpers import FLANK_ERRORS, small_screw
 from rollbench.compare.gate import gate, judged, verdict
 from rollbench.compare.models import applicability, loading, model_form, modelling, uncertainty
 from rollbench.compare.models.comparison import REFERENCED, solution_from_result
-from rollbench.compare.models.registry import MODELS, ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.compare.models.study import SceneResultCache, with_ball_count, with_conformity
 from rollbench.compare.reference import convergence, estimate, levels, tasks
 from rollbench.compare.scenes import catalogue
+from rollbench.compare.sections import u_val
 from rollbench.compare.studies import mesh_study
 
 #: The numbers by the function below that makes them: a new one is added with none and written.
@@ -93,7 +95,7 @@ def validation():
         for quantity in uncertainty.QUANTITIES
     ]
     rows = [row for row in rows if row is not None]
-    return {"rows": rows, "scatter": uncertainty.bias_and_scatter(rows)}
+    return {"rows": rows, "scatter": u_val.bias_and_scatter(rows)}
 
 
 def expectations():

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
 from tests.hertz_studies import GROUP, study
-from tests.rows import cells_by_key
 from tests.section_items import drawn, figures, tables
 
 from rollbench.compare.sections import verification
@@ -114,9 +113,9 @@ def test_section_says_from_the_data_whether_the_targets_are_met(monkeypatch):
     assert sum("All targets are met" in line for line in verdicts) == 2
     assert sum("size of Lin" in line for line in verdicts) == 2
     rows = tables(section)["verification-errors"].rows
-    assert [(row["job"], row["b_over_h"]) for row in rows[:2]] == [("A", 2.0), ("A", 4.0)]
+    assert [(row["contact_a_or_b"], row["cells_across_b"]) for row in rows[:2]] == [("A", 2.0), ("A", 4.0)]
     by_hand = 100.0 * (study(JOBS["A"], "Q2", 4.0).approach / JOBS["A"].hertz_solution.approach - 1.0)
-    assert rows[1]["approach"] == pytest.approx(by_hand, rel=1e-6)
+    assert rows[1]["error_of", "approach"] == pytest.approx(by_hand, rel=1e-6)
     drawn(figures(section))
 
 
@@ -125,4 +124,4 @@ def test_section_admits_a_target_that_is_missed():
     missed = [verification.hertz_computation_with_errors("27-node hexahedra", coarse)]
     assert "NOT MET: approach, semi-axes, pole pressure" in verification.error_target_sentences(missed)[0]
     rows = verification.rows_of_computed_and_hertz_values(missed)
-    assert [cells_by_key(row)["met"] for row in rows] == ["NO"] * 4
+    assert [row["error_within_target"] for row in rows] == ["NO"] * 4

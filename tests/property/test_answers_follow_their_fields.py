@@ -10,13 +10,17 @@ import pytest
 from rollbench.compare.gate.verdict import Judgement, VerdictRow
 from rollbench.compare.measure import LoadError
 from rollbench.compare.results.base import TabularRecord
-from rollbench.compare.results.data import Ensemble, Friction, FrictionBall, Statistics
+from rollbench.compare.results.data import Ensemble, Statistics
+from rollbench.compare.results.friction import FlankLosses, Friction, FrictionBall
 from rollbench.compare.results.mesh_study import MeshLevel, MeshQuantity, MeshStudy
 from rollbench.compare.results.table import Over, Table, TableRow
 from rollbench.compare.results.verdict import Verdict
+from rollbench.compare.studies.friction.solve import solve_friction_of_named_scene
+from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.compare.studies.survey_models import Survey
 from rollbench.compare.studies.sweep.keys import read_varied_keys
 from rollbench.compare.studies.sweep.run import Sweep, SweepDefinition
+from rollbench.compare.text.friction import friction_lines
 
 OF_LOADS = LoadError(5.0, 2.0, 6.0, 3.0, 4, "SL", 5.5)
 ROWS = (
@@ -36,8 +40,12 @@ LEVEL = MeshLevel(1, 2.0, 3, 4.0, 5.0, 6.0, {"cells": 7.0})
 QUANTITY = MeshQuantity("largest load, SL", "N", (1, 3), (8.0, 9.0), 1.0, 2.0, 3.0, {"uncertainty_percent": 4.0})
 SCREW = {"screw": 3, "status": "converged", "largest_percent": 5.0, "rms_percent": 6.0, "verdict": "pass"}
 OF_BALL = ("index", "orbit_rad_s", "loss_mW")
-BALL = FrictionBall(index=1, orbit=2.0, loss={"SL": 3.0}, entries=dict.fromkeys(OF_BALL, ...))
-OF_FRICTION = ("scene", "torque.friction_torque_Nmm", "torque.efficiency_forward_percent", "losses.total_W", "balls")
+BALL = FrictionBall(index=1, orbit=2.0, loss={"SL": 3.0}, keys=OF_BALL)
+LOSSES = FlankLosses(None, "SL", 1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
+OF_FRICTION = (
+    *("scene", "torque.friction_torque_Nmm", "torque.efficiency_forward_percent", "losses.total_W", "balls"),
+    *("losses.by_contact_W", "solver.static_residual"),
+)
 
 ANSWERS = (
     Friction(
@@ -50,7 +58,9 @@ ANSWERS = (
         efficiency_forward=0.5,
         loss=2.0,
         balls=(BALL, replace(BALL, index=2)),
-        entries=dict.fromkeys(OF_FRICTION, ...) | {"solver.static_residual": 1e-9},
+        by_contact=(LOSSES,),
+        residual=1e-9,
+        keys=OF_FRICTION,
     ),
     Verdict(ROWS, (), (), ()),
     Table(
@@ -92,7 +102,18 @@ ANSWERS = (
 #: Numbers that JSON leaves to others: largest and smallest error for other scales, keys with their text, computing time.
 ELSEWHERE = ("of_mean.own", "of_mean.ball", "of_mean.gate", "design.keys", "seconds", "levels[0].seconds")
 #: Numbers that a frame has neither as a cell nor among its values: lists beside the rows.
-BESIDE = ("levels", "profile", "main_effects", "worst", "failures", "contacts", "design")
+BESIDE = ("levels", "profile", "main_effects", "worst", "failures", "contacts", "design", "by_contact")
+#: Numbers that text and notebook leave to JSON and frame, beside those: of balls, contacts, screws.
+NOT_IN_TEXT = (
+    "balls",
+    "rows[0].levels",
+    "rows[0].contacts",
+    "rows[1].contacts",
+    "rows[lin]",
+    "max_error",
+    "indices",
+    "load",
+)
 
 
 def changes(value: object, path: str = "") -> Iterator[tuple[str, object]]:
@@ -128,6 +149,9 @@ def test_every_changed_number_is_shown(answer: TabularRecord) -> None:
             same = frame.attrs == after.attrs and frame.shape == after.shape and frame.equals(after)
             assert not same, path
             assert isinstance(after, pandas.DataFrame)
+            if not path.startswith(NOT_IN_TEXT):
+                assert str(changed) != str(answer), path
+                assert changed._repr_html_() != answer._repr_html_(), path
 
 
 @pytest.mark.parametrize("answer", ANSWERS, ids=lambda x: type(x).__name__)
@@ -136,3 +160,24 @@ def test_frames_state_their_units(answer: TabularRecord) -> None:
     frame = answer.to_dataframe()
     assert set(frame.attrs["units"]) <= set(frame.columns)
     assert "" not in frame.attrs["units"].values()
+
+
+#: Torques that the JSON has for the first coefficient of friction only.
+OF_FIRST = ("reverse_torque", "torque_on_screw", "torque_on_nut", "axial_load", "driving_torque")
+
+
+@pytest.mark.parametrize("scene", ["lin-rotary-1", "lin-screw-pair-a", "lin-pair-a", "lin-case3"])
+def test_every_number_of_friction_is_in_its_json_and_the_loss_in_its_text(scene: str) -> None:
+    found = solve_friction_of_named_scene(
+        scene, FrictionChoices("lin", (0.1,)) if scene == "lin-case3" else FrictionChoices()
+    )
+    before = found.to_dict()
+    silent = [
+        path
+        for path, changed in changes(found)
+        if changed.to_dict() == before and not (path.startswith("over[") and path.split(".")[-1].startswith(OF_FIRST))
+    ]
+    assert not silent
+    rows, lines = found.rows(), friction_lines(found)
+    more = replace(found, loss=2.0 * found.loss)
+    assert (more.rows(), friction_lines(more)) != (rows, lines)

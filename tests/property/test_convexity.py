@@ -10,7 +10,7 @@ from tests.helpers import FLANK_ERRORS, relative, small_screw
 from tests.static_problems import SCENES, elastic_equations
 
 from rollbench.lowfi.compliance.parts import LADDER
-from rollbench.lowfi.statics.equilibrium import find_equilibrium
+from rollbench.lowfi.statics.equilibrium import find_equilibrium, solve_alone
 from rollbench.lowfi.statics.static import solve_static
 
 HELD = (("ux", 0.0), ("uz", 0.0), ("rx", 0.0))
@@ -21,7 +21,7 @@ HELD = (("ux", 0.0), ("uz", 0.0), ("rx", 0.0))
 @given(seed=st.integers(0, 2**32 - 1), exponent=st.floats(-3.0, 1.0))
 def test_random_starts_reach_the_same_forces(case, seed, exponent):
     ready, rng = elastic_equations(SCENES[case], LADDER["lin"]), np.random.default_rng(seed)
-    assert ready.solve_by_newton().residual <= 1e-10
+    assert solve_alone(ready.solve_by_newton()).residual <= 1e-10
     phi, a, size = ready.state.phi, ready.state.a, 10.0**exponent
     start = phi + size * np.abs(phi).max() * rng.normal(size=phi.shape), a + 1e-5 * size * rng.normal(size=a.shape)
     found, outcome = find_equilibrium(ready.system, start)

@@ -14,6 +14,7 @@ from rollbench.lowfi.statics.axis import solve, system
 from rollbench.lowfi.statics.axis.equations import assembly_equations
 from rollbench.lowfi.statics.axis.held import pin_unrestrained_motions, unrestrained_motions
 from rollbench.lowfi.statics.equations import StaticInput
+from rollbench.lowfi.statics.equilibrium import solve_alone
 from rollbench.lowfi.statics.selection import choose_flanks
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.errors import draw_geometry_with_errors
@@ -39,7 +40,9 @@ def solved_screw(scene):
     """Solved equations of a screw, or None where there is no equilibrium."""
     layout = ball_layout(scene)
     geometry = draw_geometry_with_errors(scene, layout)
-    found = static.solve_with_chosen_flanks(StaticInput(scene, geometry, layout, choose_flanks(scene, geometry)))
+    found = solve_alone(
+        static.solve_with_chosen_flanks(StaticInput(scene, geometry, layout, choose_flanks(scene, geometry)))
+    )
     return found.system if found.status == "converged" else None
 
 
@@ -50,7 +53,9 @@ def solved_axis(assembly):
     loose = unrestrained_motions(arrays)
     if loose.is_driven_by_loads:
         return None
-    found, outcome = settle.solve_with_updated_contacts(assembly_equations(pin_unrestrained_motions(arrays, loose), None))
+    found, outcome = solve_alone(
+        settle.solve_with_updated_contacts(assembly_equations(pin_unrestrained_motions(arrays, loose), None))
+    )
     far = solve.moved_too_far(found.mounted_state_and_reactions()[0].q, arrays)
     return found if settle.is_solve_accepted(outcome, found.round_off_residual()) and not far else None
 

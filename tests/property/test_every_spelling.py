@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import rollbench
+from rollbench.compare.results.compared import ModelLoads
+from rollbench.compare.results.comparison import Comparison
 from rollbench.compare.results.solved import Result
 from rollbench.meshes.quantity import quantity_descriptions
 
@@ -136,3 +138,53 @@ def test_the_short_text_and_the_columns_follow_the_fields(scene: str) -> None:
     assert other.columns()["load_SL_N"] == pytest.approx(2.0 * result.columns()["load_SL_N"])
     assert other.to_dict()["summary"]["loads"]["max_N"] == pytest.approx(2.0 * result.loads.max())
     assert f"{2.0 * result.loads.max():.5g} N" in repr(other)
+
+
+#: Fields of the loads of a model in a comparison, how they are changed, and where the change must show.
+OF_COMPARISON: dict[str, tuple[Callable[[ModelLoads], ModelLoads], tuple[str, ...]]] = {
+    "largest error": (lambda x: replace(x, error=replace(x.error, max_percent=77.0)), ("JSON", "text", "notebook", "repr")),
+    "mean error": (lambda x: replace(x, error=replace(x.error, rms_percent=77.0)), ("JSON", "text", "notebook", "repr")),
+    "error of the check": (lambda x: replace(x, gate_error=77.0), ("text", "notebook", "repr")),
+    "displacement": (lambda x: replace(x, displacement=77e-6), ("JSON", "text", "notebook")),
+    "pressure": (
+        lambda x: replace(
+            x, derived_results=replace(x.derived_results, worst=replace(x.derived_results.worst, pressure=7e9))
+        ),
+        ("JSON", "text", "notebook"),
+    ),
+    "loads": (
+        lambda x: replace(x, contact_loads=replace(x.contact_loads, load=2.0 * x.loads)),
+        ("JSON", "text", "notebook", "frame"),
+    ),
+    "errors": (lambda x: replace(x, errors=2.0 * x.errors), ("frame",)),
+    "force": (lambda x: replace(x, axial_force=7e3), ("JSON", "text", "notebook")),
+}
+
+
+@cache
+def compared() -> Comparison:
+    """The comparison of the model lin with the 3D reference of a shipped scene."""
+    return rollbench.compare_models("lin-case1", ["lin"])
+
+
+@pytest.mark.parametrize("name", OF_COMPARISON)
+def test_a_changed_number_of_a_comparison_shows_in_every_spelling(name: str) -> None:
+    found = compared()
+    change, where = OF_COMPARISON[name]
+    assert found.pair is not None
+    of, whole = found.pair
+    first, *others = whole.models
+    other = replace(found, pair=(of, replace(whole, models=(change(first), *others))))
+    for shown in where:
+        before, after = (SPELLINGS[shown](x) for x in (found, other))
+        assert before != after, shown
+
+
+#: Spellings of an answer, as values that can be compared.
+SPELLINGS: dict[str, Callable[[Any], Any]] = {
+    "JSON": lambda x: x.to_dict(),
+    "text": str,
+    "notebook": lambda x: x._repr_html_(),
+    "repr": repr,
+    "frame": lambda x: x.columns(),
+}

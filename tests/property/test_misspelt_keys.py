@@ -14,14 +14,13 @@ import pytest
 from rollbench.compare.errors import InputError
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import AXIS
-from rollbench.compare.scenes.duty_cycle import KINDS as FRICTION_ONLY
-from rollbench.compare.scenes.friction_kinds.table import scene_json_schema
+from rollbench.compare.scenes.kinds import friction_scene_kinds, scene_json_schema
 from rollbench.compare.scenes.scene_tables import scene_from_tables
-from rollbench.compare.scenes.template import KINDS, commented_template, new_scene_text
+from rollbench.compare.scenes.template import commented_template, new_scene_text
 
 TEXTS = {name: catalogue.shipped_scene_text(name) for name in catalogue.scene_names()}
 SCHEMA = scene_json_schema()
-TEXTS |= {f"template of {kind}": commented_template(kind) for kind in KINDS}
+TEXTS |= {f"template of {kind}": commented_template(kind) for kind in friction_scene_kinds()}
 
 
 def keys_of(tables: object, path: str = "") -> Iterator[tuple[str, dict[str, object], str]]:
@@ -88,7 +87,7 @@ def put(tables: Any, path: tuple[str | int, ...], key: str) -> None:
     tables[key] = tables.pop(path[-1], "1 mm")
 
 
-@pytest.mark.parametrize("kind", ["ball screw", AXIS, *FRICTION_ONLY])
+@pytest.mark.parametrize("kind", ["ball screw", AXIS, *friction_scene_kinds()])
 def test_one_changed_letter_in_any_key_of_the_schema(kind: str) -> None:
     """Also in tables that no shipped scene and no template has."""
     draw, count = random.Random(kind), 0

@@ -10,7 +10,8 @@ from tests.property.survey_scenes import CASE, even, pressed, shortened, survey,
 
 from rollbench.compare.errors import SceneNotCoveredError
 from rollbench.compare.measure import load_error
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.models.study import with_conformity
 from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.levels import BALL

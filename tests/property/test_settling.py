@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from rollbench.compare.measure import load_error
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.store import measuring_conditions
 from rollbench.compare.reference.tasks import ReferenceTask

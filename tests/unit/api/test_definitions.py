@@ -1,10 +1,13 @@
 """Every number of the output is defined, and every definition is of a number that some command prints."""
 
+import pytest
 from tests.shipped_texts import changed
 
 from rollbench.compare.results.definitions import _definitions_by_path_pattern, definition
 from rollbench.compare.scenes.catalogue import shipped_scene_text
 from rollbench.compare.scenes.template import commented_template
+
+pytestmark = pytest.mark.slow
 
 #: Keys that number, name or count, in tables whose headings say what they are.
 NO_QUANTITY = (

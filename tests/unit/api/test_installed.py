@@ -18,6 +18,8 @@ from tests.processes import ran
 
 import rollbench
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[3]
 ALONE = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
 BEFORE = "import meshes, compare, reports\nimport rollbench\n"

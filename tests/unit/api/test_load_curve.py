@@ -8,7 +8,7 @@ import pytest
 
 import rollbench
 from rollbench.compare.models.answers import tangent_stiffness_at
-from rollbench.compare.models.registry import ModelOptions
+from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import BallErrors, Errors, Load, Scene, Support
 
@@ -90,6 +90,17 @@ def test_forces_take_the_place_of_the_loads_where_asked_also_on_housings() -> No
     solved = rollbench.solve(pushed, "lin")
     assert found.points[2].displacement == pytest.approx(solved.displacement[2], rel=1e-9)
     assert found.points[2].largest == pytest.approx(max(s.loads.max() for s in solved.sets.values()), rel=1e-9)
+    assert found.points[2].nut_displacement == pytest.approx(solved.nut.displacement, rel=1e-9)
+
+
+def test_several_nuts_together_have_the_displacement_that_solve_states() -> None:
+    nuts = rollbench.read("double-nut")
+    (at, force) = (nuts.loads[0].at, nuts.loads[0].force)
+    assert force[:2] == (0.0, 0.0)
+    found = rollbench.load_curve(nuts, f"0N:{force[2]}N:2:{1e3 * at}mm", "lin")
+    known = rollbench.solve(nuts, "lin").nut
+    assert (known.of, found.points[0].nut_displacement) == ("2 nuts", None)
+    assert found.points[1].nut_displacement == pytest.approx(known.displacement, rel=1e-9)
 
 
 def test_the_command_prints_the_record(command) -> None:

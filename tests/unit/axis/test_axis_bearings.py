@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from tests.axes import ANGLE, BALL, GROOVE, PITCH, ROLLERS, TURNING, assembly, bearing, fixed_axis, nut, one_set, solved
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw
+from tests.tapered_row_oracle import solve_thrust_and_radial_equilibrium
 
 from rollbench.compare.models.registry import MODELS
-from rollbench.lowfi.bearings import angular_contact, tapered_roller
+from rollbench.lowfi.bearings import angular_contact
 from rollbench.lowfi.bearings.axis import BearingRows, solve_bearing_row_equilibrium
-from rollbench.lowfi.rollers import StraightTaperedRow as ThrustRow
+from rollbench.lowfi.rollers import TaperedRow as ThrustRow
 from rollbench.lowfi.statics.axis import held, solve, system
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.static import solve_static
@@ -58,7 +59,7 @@ def roller_set(**options):
 def test_rollers_share_thrust_and_radial_load_as_the_bearing_alone(radial):
     held = Support(0.15, tuple((k, 0.0) for k in ("uy", "rx", "ry", "rz")))
     found = solved(with_load(roller_set(), force=(radial, 0.0, 3000.0), at=0.15, held=held))
-    alone = tapered_roller.solve_thrust_and_radial_equilibrium(system.tapered_bearing_of_row(ROLLERS), 3000.0, radial)
+    alone = solve_thrust_and_radial_equilibrium(system.tapered_bearing_of_row(ROLLERS), 3000.0, radial)
     # without moment equilibrium, as there: the shaft is kept from tilting, and slices are loaded evenly
     assert relative(found.sets[0].roller_load, alone.roller_loads) < 1e-7
     assert np.ptp(found.sets[0].line_loads, axis=1).max() < 1e-6 * found.sets[0].line_loads.max()

@@ -8,16 +8,17 @@ import pytest
 from tests.axes import ROLLERS, TURNING, assembly, bearing
 from tests.shipped_texts import own_text
 
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import scene_file
 from rollbench.lowfi.statics.axis import solve
 from rollbench.lowfi.statics.axis.equations import assembly_equations
 from rollbench.lowfi.statics.axis.system import build_assembly_arrays
-from rollbench.lowfi.statics.equilibrium import NOT_HELD
+from rollbench.lowfi.statics.equilibrium import NOT_HELD, solve_alone
 from rollbench.meshes.axis import Housing, RollingSet
 from rollbench.meshes.parts import Load
 
-pytestmark = pytest.mark.xdist_group("axis verdicts")
+pytestmark = [pytest.mark.xdist_group("axis verdicts"), pytest.mark.slow]
 
 
 def run(parts, model):
@@ -99,6 +100,6 @@ def test_bodies_that_leave_together_with_their_own_contacts_loaded_are_soon_seen
         parts = assembly(
             *pair, rollers("c", 0.2, "+z"), housings=(housing,), supports=(TURNING,), loads=(Load(0.1, (0.0, 0.0, load)),)
         )
-        outcome = assembly_equations(build_assembly_arrays(parts), None).solve_by_newton()
+        outcome = solve_alone(assembly_equations(build_assembly_arrays(parts), None).solve_by_newton())
         assert (outcome.status != NOT_HELD) == held
         assert outcome.iterations < 60

@@ -7,7 +7,7 @@ import pytest
 from tests.axes import ROLLERS, assembly, bearing, fixed_axis
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.registry import ModelOptions
+from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.results.solving import solve_with_results as solve
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.friction.solve import solve_friction_of_shaft
@@ -29,7 +29,7 @@ def driven(mu=0.1, motion=FAST, **drive):
 
 
 def test_the_torque_is_the_sum_of_nuts_bearings_seals_and_all_else():
-    data = solve_friction_of_shaft(driven(), LIN).record.as_json()
+    data = solve_friction_of_shaft(driven(), LIN).as_json()
     drive, of_nut = data["drive"], data["sets"][4]
     assert [x["name"] for x in drive["sets"]] == ["left +", "left -", "right +", "right -", "nut"]
     assert drive["sets"][4]["running_Nmm"] == pytest.approx([of_nut["driving_torque_on_screw_Nmm"]] * 2)
@@ -54,7 +54,7 @@ def test_acceleration_puts_in_the_energy_of_all_that_moves():
     time, mass, motor = 0.2, 150.0, 2e-3
     moved = driven(mass=mass, motor_inertia=motor, time=time)
     drive, unknown = (
-        solve_friction_of_shaft(replace(moved, drive=replace(moved.drive, efficiency=e)), LIN).record.as_json()["drive"]
+        solve_friction_of_shaft(replace(moved, drive=replace(moved.drive, efficiency=e)), LIN).as_json()["drive"]
         for e in (1.0, None)
     )
     turning = 0.5 * (1e-6 * drive["shaft_inertia_kg_mm2"] + motor) * FAST.speed**2
@@ -68,7 +68,7 @@ def test_acceleration_puts_in_the_energy_of_all_that_moves():
 
 def test_a_load_hinders_one_way_and_drives_the_other_and_friction_always_hinders():
     """Without friction in the nut, what is left of both ways together is twice the rest."""
-    there, back = (solve_friction_of_shaft(driven(0.0, Motion(w)), LIN).record.as_json()["drive"] for w in (120.0, -120.0))
+    there, back = (solve_friction_of_shaft(driven(0.0, Motion(w)), LIN).as_json()["drive"] for w in (120.0, -120.0))
     nuts = [x["sets"][4]["running_Nmm"][0] for x in (there, back)]
     assert nuts[0] == pytest.approx(-nuts[1], rel=1e-6)
     assert abs(nuts[0]) == pytest.approx(1e3 * 600.0 * 10e-3 / (2.0 * np.pi), rel=1e-3)
@@ -84,19 +84,19 @@ def test_a_shaft_in_rollers_alone_answers_without_a_coefficient():
     axis = replace(axis, motion=FAST, lubricant=OIL)
     found, alone = solve_friction_of_shaft(axis, LIN), solve(axis, "lin", ModelOptions())
     by_hand = [roller_bearing_torque(s.of.parts, s.line_loads, FAST.speed, OIL) for s in alone.solution.sets]
-    low, high = found.record.drive.running
+    low, high = found.drive.running
     assert low < sum(x.torque for x in by_hand) < high
-    assert solve_friction_of_shaft(replace(axis, motion=None), LIN).record.drive.running is None
-    assert solve_friction_of_shaft(replace(axis, friction=Friction(0.1, 0.1)), LIN).record.drive == found.record.drive
+    assert solve_friction_of_shaft(replace(axis, motion=None), LIN).drive.running is None
+    assert solve_friction_of_shaft(replace(axis, friction=Friction(0.1, 0.1)), LIN).drive == found.drive
     with pytest.raises(InputError, match=r"mu: got 0\.1.*rollers"):
         solve_friction_of_shaft(axis, FrictionChoices(model="lin", mu=(0.1,)))
 
 
 def test_several_coefficients_make_a_table():
     found = solve_friction_of_shaft(replace(driven(), friction=None), FrictionChoices(model="lin", mu=(0.05, 0.1)))
-    low, high = (row["friction_torque_Nmm"] for row in found.record.as_json()["over_friction"])
+    low, high = (row["friction_torque_Nmm"] for row in found.as_json()["over_friction"])
     assert low < high
-    assert found.record.as_json()["torque"]["friction_torque_Nmm"] == pytest.approx(low)
+    assert found.as_json()["torque"]["friction_torque_Nmm"] == pytest.approx(low)
 
 
 @pytest.mark.parametrize("force", [1.0, 4.0])
@@ -106,7 +106,7 @@ def test_load_s_part_grows_as_the_friction_of_the_balls_in_their_contacts_does(f
     def ratio(scale):
         axis = assembly(bearing("row", 0.1, "+z"), supports=fixed_axis().supports)
         axis = replace(axis, loads=(Load(0.1, (0.0, 0.0, 1000.0 * scale)),), friction=Friction(0.1, 0.1), motion=FAST)
-        data = solve_friction_of_shaft(axis, LIN).record.as_json()
+        data = solve_friction_of_shaft(axis, LIN).as_json()
         assert data["converged"]
         return data["sets"][0]["friction_torque_Nmm"] / data["drive"]["sets"][0]["starting_Nmm"][0]
 

@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.special import beta, gamma
+from tests.tapered_row_oracle import roller_azimuths, solve_thrust_and_radial_equilibrium, strain_energy_and_derivatives
 
 from rollbench.lowfi import rollers
 from rollbench.lowfi.bearings import as_printed, tapered_roller
 from rollbench.lowfi.bearings.axis import equal_rows_with_preload, solve_bearing_row_equilibrium
-from rollbench.lowfi.bearings.tapered_roller import load_zone_integrals, solve_thrust_and_radial_equilibrium
+from rollbench.lowfi.bearings.tapered_roller import load_zone_integrals
 from rollbench.lowfi.hertz import contact_modulus
 
 B = rollers.TaperedBearing(16, 8.38e-3, 12.4e-3, np.radians(30.8), np.radians(4.0), 207e9, 0.3, 5e-3)
-ROW, THRUST = rollers.StraightTaperedRow(B), 9e3
+ROW, THRUST = rollers.TaperedRow(B), 9e3
 #: Radial load [N] at which the rings separate under the thrust.
 RADIAL_LIMIT = THRUST / np.tan(B.cup_angle)
 
@@ -74,7 +75,7 @@ def test_cones_share_one_apex():
 def test_balance_of_the_roller_with_its_rib():
     """Forces on the roller in an axial plane: cup, cone, rib; and thrust on the cone from race and rib together."""
     q = 1000.0
-    rib = rollers.roller_line_contacts(B, q).rib_load
+    rib = 2.0 * q * np.sin(B.roller_angle)
     cup = -q * np.array([np.sin(B.cup_angle), np.cos(B.cup_angle)])  # (axial, radial)
     cone = q * np.array([np.sin(B.cone_angle), np.cos(B.cone_angle)])
     along = B.cup_angle - B.roller_angle
@@ -84,14 +85,13 @@ def test_balance_of_the_roller_with_its_rib():
 
 
 def test_contacts_are_hertz_lines():
-    c = rollers.roller_line_contacts(B, 1100.0)
+    widths, pressures = (x[0] for x in rollers.half_widths_and_pressures_of_slices(B, np.array([1100.0 / B.length])))
     roller, cone, cup = (float(r) for r in B.curvature_radii())
     modulus = contact_modulus(207e9, 0.3, 207e9, 0.3)
     for i, k in enumerate((1 / roller + 1 / cone, 1 / roller - 1 / cup)):
         b = np.sqrt(4 * 1100.0 / B.length / (np.pi * modulus * k))
-        assert c.half_widths[i] == pytest.approx(b, rel=1e-14)
-        assert 0.5 * np.pi * b * c.pressures[i] * B.length == pytest.approx(1100.0, rel=1e-12)
-        assert c.areas[i] == pytest.approx(2 * b * B.length, rel=1e-14)
+        assert widths[i] == pytest.approx(b, rel=1e-14)
+        assert 0.5 * np.pi * b * pressures[i] * B.length == pytest.approx(1100.0, rel=1e-12)
 
 
 def test_row_under_thrust_and_a_preloaded_pair():
@@ -112,7 +112,7 @@ def test_row_under_thrust_and_a_preloaded_pair():
 
 @pytest.mark.parametrize("radial", [0.0, 1.0, 4e3, 9e3, 0.97 * RADIAL_LIMIT])
 def test_combined_load_balances(radial):
-    s, azimuth = solve_thrust_and_radial_equilibrium(B, THRUST, radial), tapered_roller.roller_azimuths(B)
+    s, azimuth = solve_thrust_and_radial_equilibrium(B, THRUST, radial), roller_azimuths(B)
     assert s.converged
     assert s.roller_loads.sum() * np.sin(B.cup_angle) == pytest.approx(THRUST, rel=1e-10)
     assert s.roller_loads @ np.cos(azimuth) * np.cos(B.cup_angle) == pytest.approx(radial, abs=1e-9 * THRUST)
@@ -121,7 +121,7 @@ def test_combined_load_balances(radial):
 
 
 def test_combined_stiffness_and_force_are_derivatives():
-    x, evaluate = np.array([9e-6, 6e-6]), tapered_roller.strain_energy_and_derivatives
+    x, evaluate = np.array([9e-6, 6e-6]), strain_energy_and_derivatives
     _, force, stiffness, _ = evaluate(B, x)
     for i, h in enumerate(1e-10 * np.eye(2)):
         up, down = evaluate(B, x + h), evaluate(B, x - h)
@@ -168,12 +168,12 @@ def test_near_the_limit_of_the_radial_load_steps_must_be_cut(count, share):
 
 @pytest.mark.parametrize("slices", [1, 2, 7, 40])
 def test_plain_roller_is_a_line_contact_for_any_number_of_slices(slices):
-    r, row = rollers.slice_roller(B, slices), rollers.SlicedTaperedRow(B, slices)
-    d = float(B.approach_law().approach(1100.0 / B.length))
-    assert rollers.sliced_roller_state_at_approach(r, d).race_force == pytest.approx(1100.0, rel=1e-12)
-    assert rollers.sliced_roller_approach_under_force(r, 1100.0) == pytest.approx(d, rel=1e-12)
-    for name, at in (("deflection", THRUST), ("stiffness", 1e-5), ("thrust", 1e-5)):
-        assert getattr(row, name)(at) == pytest.approx(getattr(ROW, name)(at), rel=1e-12)
+    row, law, sine = rollers.TaperedRow(B, slices), B.approach_law(), np.sin(B.cup_angle)
+    thrust, u = 1100.0 * B.rollers * sine, float(law.approach(1100.0 / B.length)) / sine
+    assert row.thrust(u) == pytest.approx(thrust, rel=1e-12)
+    assert row.deflection(thrust) == pytest.approx(u, rel=1e-12)
+    stiffness = B.rollers * B.length * float(law.stiffness_per_length(1100.0 / B.length)) * sine**2
+    assert row.stiffness(u) == pytest.approx(stiffness, rel=1e-12)
 
 
 def test_a_roller_on_one_apex_is_loaded_evenly():
@@ -186,8 +186,8 @@ def test_slices_converge_with_second_order():
     """Fully loaded crowned roller: the midpoint rule of a smooth load, so halving the slices cuts the error by four."""
     law, half, crown = B.approach_law(), 0.5 * B.length, rollers.circular_crown_profile(20.0)
     exact = quad(lambda x: float(law.line_load(2e-5 - x**2 / 20.0)), -half, half, epsrel=1e-12)[0]
-    sliced = [rollers.slice_roller(B, n, crown) for n in (10, 20, 40)]
-    off = [rollers.sliced_roller_state_at_approach(r, 2e-5).race_force - exact for r in sliced]
+    u, rows = 2e-5 / np.sin(B.cup_angle), [rollers.TaperedRow(B, n, crown) for n in (10, 20, 40)]
+    off = [B.length * row.line_loads(u).mean() - exact for row in rows]
     assert off[0] / off[1] == pytest.approx(4.0, rel=0.02)
     assert off[1] / off[2] == pytest.approx(4.0, rel=0.01)
     assert abs(off[2]) < 1e-4 * exact
@@ -195,19 +195,20 @@ def test_slices_converge_with_second_order():
 
 def test_strong_crown_leaves_the_ends_unloaded():
     crown = rollers.circular_crown_profile(0.5)
-    r = rollers.slice_roller(B, 400, crown)
-    d = rollers.sliced_roller_approach_under_force(r, 1100.0)
-    s = rollers.sliced_roller_state_at_approach(r, d)
-    assert s.race_force == pytest.approx(1100.0, rel=1e-9)
-    assert r.slice_positions[s.line_loads > 0.0].max() == pytest.approx(np.sqrt(0.5 * d), abs=B.length / 400)
-    assert d > rollers.sliced_roller_approach_under_force(rollers.slice_roller(B, 400), 1100.0)
-    assert rollers.SlicedTaperedRow(B, 101, crown).stiffness(2e-5) < ROW.stiffness(2e-5)
+    row, sine = rollers.TaperedRow(B, 400, crown), np.sin(B.cup_angle)
+    thrust = 1100.0 * B.rollers * sine
+    u = row.deflection(thrust)
+    loads, x = row.line_loads(u), rollers.slice_middles(B.length, 400)
+    assert B.length * loads.mean() == pytest.approx(1100.0, rel=1e-9)
+    assert x[loads > 0.0].max() == pytest.approx(np.sqrt(0.5 * u * sine), abs=B.length / 400)
+    assert u > ROW.deflection(thrust)
+    assert rollers.TaperedRow(B, 101, crown).stiffness(2e-5) < ROW.stiffness(2e-5)
 
 
 def test_slices_beside_the_source_s_formulas():
     """3.19 with base-10 logarithm is softer than line contacts between rings of 5 mm by a quarter; 3.22 by less."""
     inch, pound, sine = 0.0254, 4.4482216152605, np.sin(B.cup_angle)
-    ours = rollers.SlicedTaperedRow(B).deflection(2040.0 * pound) / inch * sine
+    ours = rollers.TaperedRow(B).deflection(2040.0 * pound) / inch * sine
     race, length = 2040.0 / (16 * sine), B.length / inch
     log = as_printed.roller_approach_as_printed(race / length, B.diameter / inch, B.cup_angle, B.roller_angle)
     assert log / ours == pytest.approx(1.25, abs=0.02)

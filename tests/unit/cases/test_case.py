@@ -11,6 +11,8 @@ from tests.processes import python
 from rollbench.compare.case import CASES, shipped_toml_files
 from rollbench.compare.scenes import catalogue
 
+pytestmark = pytest.mark.slow
+
 CASE = """
 from rollbench.compare.case import Case
 CASE = Case("acme", "Acme (1901)", "acme_case", "page")

@@ -5,7 +5,7 @@ import pytest
 from rollbench.compare.cases.lin import times
 from rollbench.compare.commands import bench
 from rollbench.compare.models.study import SceneResultCache
-from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.reference.store import measuring_conditions
 from rollbench.compare.sections import reference_time
 from rollbench.compare.studies import run_times
 from rollbench.compare.studies.run_times import load_run_times
@@ -31,21 +31,23 @@ def test_a_command_is_timed_from_an_empty_home_again_and_beside_a_busy_process()
 
 @pytest.fixture
 def kept(monkeypatch):
-    """The shipped times, in place of times that are measured."""
-    found = load_run_times((shipped_store(),))
+    """Known times, in place of times that are measured."""
+    times_of_models = {("lin-case1", "lin"): run_times.RunTime(0.4, 1e-3, 99.0)}
+    levels = (run_times.ColdLevelTime(4, 60.0, 118.0, None, "converged", "lin-case1", 64, 0.9),)
+    found = run_times.StoredRunTimes(measuring_conditions(), "2026-01-02", times_of_models, levels)
     monkeypatch.setattr(reference_time, "measure_run_times", lambda *_, **__: found)
-    monkeypatch.setattr(reference_time, "COMMANDS", {})
+    monkeypatch.setattr(reference_time, "COMMANDS", ())
     monkeypatch.setattr(run_times, "time_ensemble", lambda: run_times.RunTimeRow("members", 1.0))
     return found
 
 
 @pytest.mark.usefixtures("kept")
 def test_times_of_typed_commands_are_kept_for_the_report(monkeypatch, tmp_path, command):
-    monkeypatch.setattr(reference_time, "COMMANDS", {"schema --help": ""})
+    monkeypatch.setattr(reference_time, "COMMANDS", ("schema --help",))
     command.answer("bench", "--store", tmp_path)
     typed = load_run_times([tmp_path], run_times.TYPED)
     (row,), (one,) = reference_time.command_time_table(typed).rows, typed.command_times
-    assert (row["command"], row["seconds"], one.note) == ("schema --help", one.seconds, "")
+    assert (row["command"], row["run_time_empty_home"], one.note) == ("schema --help", one.seconds, "")
     assert load_run_times([tmp_path]) is None
 
 
@@ -70,8 +72,7 @@ def test_models_are_listed_with_errors_beside_their_run_times(kept, tmp_path, co
     assert load_run_times([tmp_path]) == kept
 
 
-def test_times_of_a_publication_are_listed_as_they_were_stored(monkeypatch, tmp_path):
-    kept = load_run_times((shipped_store(),), "lin")
+def test_times_of_a_publication_are_listed_as_they_were_stored(kept, monkeypatch, tmp_path):
     monkeypatch.setattr(times, "measure_run_times", lambda *_: kept)
     rows = bench.measure_publication_times("lin", tmp_path).data
     cold = [one.cold for one in kept.times_by_scene_and_model.values()]

@@ -14,7 +14,7 @@ import pytest
 from rollbench.compare.cli import COMMANDS, app_with_commands
 from rollbench.compare.commands import printed as listing
 from rollbench.compare.scenes.catalogue import shipped_scene_text
-from rollbench.compare.scenes.duty_cycle import KINDS as FRICTION_ONLY
+from rollbench.compare.scenes.kinds import friction_scene_kinds
 
 #: Command lines that are refused: exit status 2, nothing on standard output and one line that says why.
 REFUSED = tomllib.loads(Path(__file__).with_name("refused.toml").read_text(encoding="utf-8"))["refused"]
@@ -67,10 +67,10 @@ def test_new_never_overwrites(command, tmp_path: Path) -> None:
     assert command("new", tmp_path / "no" / "mine.toml").code == 2
 
 
-KINDS = ["ball-screw", "bearing", *(kind.replace(" ", "-") for kind in FRICTION_ONLY)]
+KINDS = ["ball-screw", "bearing", *(kind.replace(" ", "-") for kind in friction_scene_kinds())]
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", [pytest.param(x, marks=pytest.mark.slow if x == "screw-run" else ()) for x in KINDS])
 def test_new_scene_of_a_kind_solves_as_written(kind: str, command, tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     advised = command.said("new", file, "--kind", kind).split("rollbench ")[1].split()[0]

@@ -12,15 +12,14 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.models.comparison import ContactSolution, comparison_options
 from rollbench.compare.models.model_form import estimate_model_error, model_errors_on_compared_scenes
 from rollbench.compare.models.registry import MODELS, run_model
-from rollbench.compare.models.uncertainty import LargestChoiceEffects, LoadUncertainty
+from rollbench.compare.models.uncertainty import Uncertainty
 from rollbench.compare.reference import store
 from rollbench.compare.reference.estimate import MeshUncertainty, Reference, reference_of_scene
 from rollbench.compare.results import compared as found_by
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating.rigidity import axial_force
 
-CHOICES = LargestChoiceEffects("lin-case3", 3.0, "where the nut is held", 2.9)
-TOTAL = LoadUncertainty(0.2, True, CHOICES, 2.0, "angle", 0.1, False)
+TOTAL = Uncertainty(discretisation=0.2, by_experience=True, choices=3.0, inputs=2.0, second_order=0.1)
 
 
 @pytest.fixture
@@ -73,9 +72,9 @@ def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path) ->
     assert f"expected error: {whole.expected.loads:.2f} %" in said
     assert f"numerical uncertainty (mesh) {whole.uncertainty.discretisation:.2f} % of the mean load" in said
     assert f"input uncertainty (tolerances) {whole.uncertainty.inputs:.2f} %" in said
-    assert whole.uncertainty.choices.scene == "lin-case3", "not varied on these parts: the choices with the largest effect"
+    assert whole.uncertainty.choices_varied_on == "lin-case3", "not varied on these parts"
     assert condensed.error.max_percent < 0.5 * refined.error.max_percent
-    assert whole.reference_loads.axial_displacement == pytest.approx(condensed.axial_displacement, rel=0.01)
+    assert whole.reference_loads.displacement == pytest.approx(condensed.displacement, rel=0.01)
 
 
 def test_bodies_that_no_store_has_are_asked_for(tmp_path) -> None:

@@ -11,11 +11,10 @@ from tests.feed_drive import MINE, answer, mine
 from tests.helpers import ALL_BUT_AXIAL, small_screw
 
 from rollbench.compare.commands.friction import friction_terminal_parts, solve_and_report_friction
-from rollbench.compare.results.rows import friction_rows
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.friction.answer import format_three_digits
 from rollbench.compare.studies.friction.solve import solve_friction_of_named_scene, solve_friction_of_scene
 from rollbench.compare.studies.friction.whole import FrictionChoices
+from rollbench.compare.text.friction import format_three_digits, friction_tables, friction_text
 from rollbench.lowfi.friction.whole import feedback as ball_feedback
 from rollbench.meshes.parts import Errors, Friction, Motion
 
@@ -46,7 +45,7 @@ def test_two_start_left_hand_screw_of_a_file(tmp_path):
 
 def test_powers_of_several_sets_on_a_shaft_add_up():
     """What the axial loads of both nuts put in is what the shaft's torque takes out and friction loses."""
-    data = solve_friction_of_named_scene("double-nut", FrictionChoices(mu=(0.1,))).record.as_json()
+    data = solve_friction_of_named_scene("double-nut", FrictionChoices(mu=(0.1,))).as_json()
     power, torque = data["energy"], data["torque"]
     speed = data["motion"]["speed_rad_s"]
     assert power["torque_power_W"] == pytest.approx(1e-3 * torque["driving_torque_on_screw_Nmm"] * speed, rel=1e-12)
@@ -59,7 +58,7 @@ def test_both_senses_of_rotation_stand_in_one_answer(name):
     """Torques against and with the load are those that drive and brake the scene turned the one way and the other."""
     scene = catalogue.scene_of_any_kind(name)
     there, back = (
-        solve_friction_of_scene(replace(scene, motion=Motion(speed)), FrictionChoices("lin", mu=(0.1,)), name).record
+        solve_friction_of_scene(replace(scene, motion=Motion(speed)), FrictionChoices("lin", mu=(0.1,)), name)
         for speed in (50.0, -50.0)
     )
     for record, turned in ((there, back), (back, there)):
@@ -70,32 +69,32 @@ def test_both_senses_of_rotation_stand_in_one_answer(name):
         against = max((one, other), key=lambda x: abs(x["torque"]["driving_torque_on_screw_Nmm"]))["torque"]
         frictionless = t["forward_torque_Nmm"] - against["friction_torque_Nmm"]
         assert t["efficiency_forward_percent"] == pytest.approx(100.0 * frictionless / t["forward_torque_Nmm"], rel=1e-6)
-        assert ("power lost", "at 477.5 rpm") in [(row.quantity, row.note) for row in friction_rows(record)]
+        assert ("power lost", "at 477.5 rpm") in [(row.quantity, row.note) for row in record.rows()]
 
 
 def test_nothing_loaded_is_said_and_a_scene_that_is_not_held_ends_with_its_mechanism():
     bare, loose = (answer(scene, mu=(0.1,)) for scene in (small_screw(), small_screw(fixed=(), force=(0.0, 0.0, 100.0))))
-    assert [bare.record.converged, loose.record.converged] == [True, False]
-    assert bare.record.as_json()["status"].startswith("converged: no contact")
-    assert (bare.record.as_json()["torque"]["friction_torque_Nmm"], bare.record.as_json()["balls"][0]["orbit_rad_s"]) == (
-        0.0,
-        None,
-    )
-    assert loose.record.as_json()["status"].startswith("contact loads: not held")
+    assert [bare.converged, loose.converged] == [True, False]
+    assert bare.as_json()["status"].startswith("converged: no contact")
+    assert (bare.as_json()["torque"]["friction_torque_Nmm"], bare.as_json()["balls"][0]["orbit_rad_s"]) == (0.0, None)
+    assert loose.as_json()["status"].startswith("contact loads: not held")
 
 
 def test_coefficients_of_the_command_line_and_a_table_over_them():
     scene = replace(mine(), friction=None)
     found = answer(scene, mu=(0.08, 0.0, 0.04))
-    rows = found.record.as_json()["over_friction"]
+    rows = found.as_json()["over_friction"]
     assert [r["screw"] for r in rows] == [0.08, 0.0, 0.04]
     assert rows[0]["friction_torque_Nmm"] == pytest.approx(2.0 * rows[2]["friction_torque_Nmm"], rel=1e-2)
-    assert (rows[1]["efficiency_forward_percent"], found.tables[-1][0]) == (100.0, "over the coefficient of friction")
-    assert found.record.as_json()["friction"] == {"screw": 0.08, "nut": 0.08}
+    assert (rows[1]["efficiency_forward_percent"], friction_tables(found)[-1][0]) == (
+        100.0,
+        "over the coefficient of friction",
+    )
+    assert found.as_json()["friction"] == {"screw": 0.08, "nut": 0.08}
 
 
 def test_speed_is_stated_where_the_scene_gives_none():
-    with_speed, without = answer(mine()).record.as_json(), answer(replace(mine(), motion=None)).record.as_json()
+    with_speed, without = answer(mine()).as_json(), answer(replace(mine(), motion=None)).as_json()
     assert without["motion"] == {"turns": "screw", "speed_rad_s": pytest.approx(2.0 * math.pi)}
     assert ["no [motion]" in " ".join(data["assumed"]) for data in (with_speed, without)] == [False, True]
     for same in ("forward_torque_Nmm", "backward_torque_Nmm"):
@@ -118,18 +117,16 @@ def test_terminal_shows_torques_and_what_is_left_out_where_it_is_asked_for():
     behind = ("left out: ", "assumed: ", "residual of ")
     for words in ("friction torque", "drag torque", "power lost", *behind):
         assert (words in brief, words in full) == (words not in behind, True), words
-    count = (
-        f"{len(found.record.as_json()['assumed'])} assumptions, {len(found.record.as_json()['left_out'])} neglected effects"
-    )
+    count = f"{len(found.as_json()['assumed'])} assumptions, {len(found.as_json()['left_out'])} neglected effects"
     assert f"--verbose also shows: {count}" in " ".join(brief.split())
 
 
 def test_a_jammed_screw_is_self_locking_and_warned_of():
     found = answer(mine(("coefficient = 0.06", "coefficient = 0.5"), ("nut = 0.07", "nut = 0.5"), ("-3 kN", "-0.1 kN")))
-    assert ("self-locking", "yes") in [row[:2] for row in friction_rows(found.record)]
-    torque = found.record.as_json()["torque"]
+    assert ("self-locking", "yes") in [row[:2] for row in found.rows()]
+    torque = found.as_json()["torque"]
     assert (torque["self_locking"], torque["efficiency_backward_percent"]) == (True, None)
-    assert any("jammed" in line for line in found.record.as_json()["warnings"])
+    assert any("jammed" in line for line in found.as_json()["warnings"])
 
 
 KINDS = {
@@ -154,24 +151,22 @@ def test_a_file_of_no_kind_is_read_as_a_whole_screw(scene_file, command):
 def test_member_draws_the_specimen_of_loads_and_friction():
     scene = mine(('oversize = "4 um"', 'oversize = "4 um"\nsigma = "0.5 um"'))
     found = [answer(scene, member=m) for m in (0, 1)]
-    first, second = (a.record.as_json()["torque"]["friction_torque_Nmm"] for a in found)
+    first, second = (a.as_json()["torque"]["friction_torque_Nmm"] for a in found)
     assert abs(first - second) > 1e-6 * first
-    assert [a.record.as_json()["member"] for a in found] == [0, 1]
+    assert [a.as_json()["member"] for a in found] == [0, 1]
     assert ", specimen 1 of its random errors, " in str(friction_terminal_parts(found[1])[0])
-    assert answer(mine()).record.as_json()["member"] is None
+    assert answer(mine()).as_json()["member"] is None
 
 
 def test_drag_is_the_friction_torque_of_the_scene_without_loads_and_without_preload_nothing():
     scene = mine()
-    bare = answer(replace(scene, loads=())).record.as_json()["torque"]
-    assert answer(scene).record.as_json()["torque"]["drag_torque_Nmm"] == pytest.approx(
-        bare["friction_torque_Nmm"], rel=1e-9
-    )
+    bare = answer(replace(scene, loads=())).as_json()["torque"]
+    assert answer(scene).as_json()["torque"]["drag_torque_Nmm"] == pytest.approx(bare["friction_torque_Nmm"], rel=1e-9)
     assert bare["drag_torque_Nmm"] == bare["friction_torque_Nmm"]
     assert bare["axial_load_N"] == 0.0
     unknown = [bare[key] for key in ("efficiency_forward_percent", "self_locking", "load_moves")]
     assert unknown == [None] * 3, "no efficiency of a load that is round-off"
-    loose = answer(small_screw(force=(0.0, 0.0, 500.0)), mu=(0.1,)).record.as_json()
+    loose = answer(small_screw(force=(0.0, 0.0, 500.0)), mu=(0.1,)).as_json()
     assert (loose["torque"]["drag_torque_Nmm"], loose["drag_unknown"], loose["drag_note"]) == (0.0, None, None)
 
 
@@ -179,8 +174,7 @@ def test_drag_is_the_friction_torque_of_the_scene_without_loads_and_without_prel
 def test_drag_where_supports_press_is_that_of_the_screw_left_free_along_its_axis(oversize):
     pressed = (*ALL_BUT_AXIAL, ("uz", 3e-6))
     held, free = (
-        answer(small_screw(fixed=fixed, oversize=oversize), mu=(0.1,)).record.as_json()
-        for fixed in (pressed, ALL_BUT_AXIAL)
+        answer(small_screw(fixed=fixed, oversize=oversize), mu=(0.1,)).as_json() for fixed in (pressed, ALL_BUT_AXIAL)
     )
     assert abs(held["torque"]["axial_load_N"]) > 1.0
     assert held["torque"]["friction_torque_Nmm"] > 1.01 * held["torque"]["drag_torque_Nmm"]
@@ -194,21 +188,21 @@ def test_balls_that_do_not_settle_are_named_and_leave_no_drag(monkeypatch):
     monkeypatch.setattr(ball_feedback, "ROUNDS", 0)
     monkeypatch.setattr("scipy.optimize.root", lambda _, start, **__: SimpleNamespace(x=start))
     found = answer(mine())
-    assert not found.record.converged
-    assert found.record.as_json()["status"].startswith("friction and position do not agree on 20 balls: 1, 2")
-    assert "feedback = false" in found.record.as_json()["status"]
-    assert (found.record.as_json()["torque"]["drag_torque_Nmm"], found.record.as_json()["drag_unknown"]) == (
+    assert not found.converged
+    assert found.as_json()["status"].startswith("friction and position do not agree on 20 balls: 1, 2")
+    assert "feedback = false" in found.as_json()["status"]
+    assert (found.as_json()["torque"]["drag_torque_Nmm"], found.as_json()["drag_unknown"]) == (
         None,
         "no balance of friction found",
     )
-    assert found.record.as_json()["feedback"]["unsettled_balls"] == 20
+    assert found.as_json()["feedback"]["unsettled_balls"] == 20
 
 
 def test_the_note_names_the_flank_that_friction_presses_the_balls_onto():
     """A note on flank SR with its load, factors at smaller coefficients, and flank NL reversed."""
     scene = small_screw(8, lead=10e-3, force=(0.0, 0.0, 800.0), oversize=1e-6)
     there, back = (
-        answer(replace(scene, friction=Friction(0.1, 0.1), motion=Motion(speed))).record.as_json()
+        answer(replace(scene, friction=Friction(0.1, 0.1), motion=Motion(speed))).as_json()
         for speed in (2.0 * np.pi, -2.0 * np.pi)
     )
     notes = [next(w for w in data["warnings"] if w.kind == "third flank") for data in (there, back)]
@@ -221,7 +215,7 @@ def test_the_note_names_the_flank_that_friction_presses_the_balls_onto():
         assert f"reversed, flank {other}" in note
         smaller = answer(
             replace(scene, friction=Friction(0.03, 0.03), motion=Motion(data["motion"]["speed_rad_s"]))
-        ).record.as_json()
+        ).as_json()
         factor = smaller["torque"]["friction_torque_Nmm"] / smaller["feedback"]["friction_torque_without_Nmm"]
         assert f"{format_three_digits(factor)} at 0.03" in note
     assert there["losses"]["heathcote_percent"] == pytest.approx(
@@ -232,15 +226,15 @@ def test_the_note_names_the_flank_that_friction_presses_the_balls_onto():
 def test_torques_over_the_measured_coefficients_stand_beside_the_maker_s_formula():
     scene = replace(small_screw(force=(0.0, 0.0, 300.0), oversize=3e-6), friction=Friction(0.05, 0.05))
     found = answer(scene)
-    data = found.record.as_json()["band"]
+    data = found.as_json()["band"]
     for mu, torque in zip((0.03, 0.1), data["friction_torque_Nmm"], strict=True):
-        alone = answer(replace(scene, friction=Friction(mu, mu))).record.as_json()["torque"]
+        alone = answer(replace(scene, friction=Friction(mu, mu))).as_json()["torque"]
         assert torque == pytest.approx(alone["friction_torque_Nmm"], rel=1e-9)
     assert data["drag_torque_Nmm"][1] == pytest.approx(alone["drag_torque_Nmm"], rel=1e-9)
     tangent = scene.track.lead / (2 * np.pi * scene.track.pitch_radius)
     formula = 0.05 / np.sqrt(tangent) * data["preload_N"] * 1e3 * scene.track.lead / (2 * np.pi)
     assert data["makers_formula_Nmm"] == pytest.approx(formula, rel=1e-9)
     assert 0.5 < data["drag_torque_Nmm"][1] / data["makers_formula_Nmm"] < 2.0
-    assert f"{format_three_digits(data['makers_formula_Nmm'])} N mm" in found.text
-    bare = answer(replace(scene, errors=Errors())).record.as_json()["band"]
+    assert f"{format_three_digits(data['makers_formula_Nmm'])} N mm" in friction_text(found)
+    bare = answer(replace(scene, errors=Errors())).as_json()["band"]
     assert (bare["makers_formula_Nmm"], bare["drag_torque_Nmm"]) == (None, None)

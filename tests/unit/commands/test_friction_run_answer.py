@@ -11,10 +11,13 @@ from tests.friction_runs import MU, TURN, crowded, setting, sparse
 from tests.helpers import small_screw
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.registry import DEFAULT, ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import DEFAULT, run_model
 from rollbench.compare.report import scene_page as page
+from rollbench.compare.results.friction_run import transient_simulation_as_json
 from rollbench.compare.studies.friction import run as runs
 from rollbench.compare.studies.friction import whole
+from rollbench.compare.text import friction as text
 from rollbench.lowfi.friction.screw.travel import TimeStepErrorEstimate, TimeStepErrors, simulate
 from rollbench.meshes.parts import Time
 
@@ -33,9 +36,9 @@ def answer():
 
 
 def test_run_follows_the_instant_and_holds_the_torque_with_its_parts(answer):
-    run = answer.record.as_json()["run"]
-    assert answer.record.converged
-    assert answer.record.as_json()["torque"]["friction_torque_Nmm"] > 0.0
+    run = answer.as_json()["run"]
+    assert answer.converged
+    assert answer.as_json()["torque"]["friction_torque_Nmm"] > 0.0
     over = run["over_angle"]
     parts = [np.array(over[k]) for k in ("groove_Nmm", "ball_sliding_Nmm", "ball_closing_Nmm")]
     assert sum(parts) == pytest.approx(np.array(over["torque_Nmm"]), rel=1e-12)
@@ -48,16 +51,16 @@ def test_run_follows_the_instant_and_holds_the_torque_with_its_parts(answer):
     assert max(energy["largest_imbalance"], energy["largest_torque_imbalance"]) < 1e-8
     assert energy["torque_work_J"] + energy["load_work_J"] == pytest.approx(energy["loss_J"], rel=1e-8)
     assert abs(energy["balance_J"]) < 1e-8 * energy["loss_J"]
-    json.dumps(answer.record.as_json(), allow_nan=False)
+    json.dumps(answer.as_json(), allow_nan=False)
 
 
 def test_error_of_the_steps_stands_in_every_result_and_steps_are_chosen_where_none_are_given(answer):
-    error = answer.record.as_json()["run"]["step_error"]
+    error = answer.as_json()["run"]["step_error"]
     assert error["steps"] == [5, 10, 20]
     assert error["torque_percent"] > 0.0
     assert all(0.0 <= error[f"{name}_torque_percent"] < 1.0 for name in ("mean", "most", "least"))
-    assert "error of the time steps" in answer.text
-    found = solved(sparse(), angle=0.5, output="torque").record.as_json()["run"]
+    assert "error of the time steps" in text.friction_text(answer)
+    found = solved(sparse(), angle=0.5, output="torque").as_json()["run"]
     assert (found["step_error"]["small"], found["steps"]) == (True, found["step_error"]["steps"][-1])
     assert "balls" not in found
 
@@ -71,14 +74,14 @@ def test_an_error_above_the_goal_or_that_nobody_knows_has_not_converged_in_the_s
         assert run.converged or run.status.startswith("not converged in the time step: the error of 4 steps is some ")
     run = runs.simulation_with_status(simulate(setting(sparse()), 0.02, 3), None, Time(angle=0.2, steps=3))
     assert run.status.startswith("not converged in the time step")
-    assert runs.transient_simulation_as_json(run)["step_error_unknown"] == "fewer than 4 steps"
+    assert transient_simulation_as_json(run)["step_error_unknown"] == "fewer than 4 steps"
 
 
 def test_a_run_that_failed_says_so():
     scene = replace(small_screw(6, 0.6, force=(0.0, 0.0, 100.0), screw="rigid"), supports=())
     run = runs.simulation_with_status(simulate(setting(scene), 0.01, 4), None, Time(angle=0.1))
-    assert runs.transient_simulation_as_json(run)["converged"] is False
-    assert "contact loads" in runs.lines_on_simulation(run)[0][1]
+    assert transient_simulation_as_json(run)["converged"] is False
+    assert "contact loads" in text.lines_on_simulation(run)[0][1]
 
 
 def test_a_run_that_stopped_says_where_and_sums_over_what_it_ran():
@@ -91,7 +94,7 @@ def test_a_run_that_stopped_says_where_and_sums_over_what_it_ran():
     tries = []
     full, history = simulate(whole, 0.02, 4), simulate(replace(whole, solve_contact_loads=solve), 0.02, 4)
     run, degrees = runs.simulation_with_status(history, None, Time(angle=0.2, steps=4)), np.degrees(0.2)
-    data, lines = runs.transient_simulation_as_json(run), runs.lines_on_simulation(run)
+    data, lines = transient_simulation_as_json(run), text.lines_on_simulation(run)
     assert (data["steps"], data["complete"]) == (3, False)
     assert (data["reached_deg"], data["asked_deg"]) == pytest.approx((0.75 * degrees, degrees))
     assert lines[0][1].startswith(f"stopped at {0.75 * degrees:.6g} deg of {degrees:.6g} deg, in 3 steps")
@@ -104,8 +107,8 @@ def test_zero_friction_runs_without_loss_and_models_that_cannot_run_in_time_are_
     with pytest.raises(InputError, match=r"model: .*lin or refined"):
         solved(small_screw(4, 0.5, force=(0.0, 0.0, 300.0)), "mei", angle=0.1, steps=4)
     found = solved(sparse(), friction=replace(MU, screw=0.0, nut=0.0), angle=0.1, steps=4)
-    assert found.record.converged
-    torque = found.record.as_json()["run"]["torque"]
+    assert found.converged
+    torque = found.as_json()["run"]["torque"]
     assert (torque["mean_Nmm"], torque["ball_to_ball_most_percent_of_groove"]) == (0.0, None)
 
 
@@ -117,7 +120,7 @@ def test_the_page_shows_torque_over_turn_coefficient_and_play():
     found = section(SCENE)
     turn, coefficient, play, lost = (panel.series[0] for panel in found.items[1].panels)
     assert lost.x[-1] == pytest.approx(sum(lost.x[:-1])), "the last bar is the sum over the flanks"
-    given = whole.solve_friction_of_screw_or_bearing(replace(SCENE, time=None), whole.FrictionChoices()).record.as_json()
+    given = whole.solve_friction_of_screw_or_bearing(replace(SCENE, time=None), whole.FrictionChoices()).as_json()
     torque = given["torque"]["friction_torque_Nmm"]
     assert turn.y[0] == pytest.approx(torque, rel=2e-2)
     assert coefficient.x[-1] == pytest.approx(0.1)
@@ -125,11 +128,11 @@ def test_the_page_shows_torque_over_turn_coefficient_and_play():
     assert coefficient.y[0] == pytest.approx(given["band"]["friction_torque_Nmm"][0], rel=1e-9)
     assert play.y[page.PLAY.index(0.0)] == pytest.approx(torque, rel=1e-9)
     assert play.y[page.PLAY.index(-5e-6)] == pytest.approx(given["play"]["friction_torque_Nmm"], rel=1e-9)
-    losses = [row["loss_W"] for row in found.items[2].rows]
+    losses = found.items[2].columns["friction_loss_whole"]
     assert [sum(losses[:-1]), losses[-1]] == pytest.approx([given["losses"]["total_W"]] * 2)
     assert section(replace(SCENE, friction=None)) is None, "no coefficient"
 
 
 @pytest.mark.parametrize(("error", "digits"), [(None, 3), (2.0, 3), (0.3, 3), (0.01, 4), (1e-4, 6), (0.0, 6)])
 def test_at_most_two_digits_more_than_are_sure(error, digits):
-    assert runs.digits_for_relative_error(error) == digits
+    assert text.digits_for_relative_error(error) == digits

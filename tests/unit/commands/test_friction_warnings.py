@@ -18,7 +18,7 @@ from rollbench.meshes.parts import BallErrors, Errors, Friction, Motion
 def test_two_point_contact_on_a_helix_is_warned_of():
     def warned(**options):
         scene = replace(small_screw(force=(0.0, 0.0, 300.0), **options), friction=Friction(0.1, 0.1, feedback=False))
-        notes = answer(scene).record.as_json()["warnings"]
+        notes = answer(scene).as_json()["warnings"]
         return any("two flanks only" in line for line in notes)
 
     assert warned()
@@ -37,9 +37,9 @@ SEARCHES = [
 def test_second_states_that_were_not_searched_for_are_not_said_to_be_absent(lead, feedback, words):
     scene = small_screw(3, 0.7, lead=lead, force=(0.0, 0.0, 300.0), screw="rigid")
     found = answer(replace(scene, friction=Friction(0.4, 0.4, feedback=feedback), motion=Motion(3.0)))
-    note = next(n for n in found.record.as_json()["warnings"] if "jammed" in n)
+    note = next(n for n in found.as_json()["warnings"] if "jammed" in n)
     assert all(word in note for word in words)
-    assert (found.record.as_json()["solver"]["second_states"] is None) is ("none was searched for" in note)
+    assert (found.as_json()["solver"]["second_states"] is None) is ("none was searched for" in note)
     assert "rolls" not in note
 
 
@@ -48,7 +48,7 @@ def test_what_is_wrong_with_a_contact_is_told_once_and_as_solve_tells_it():
     hard = replace(small_screw(8, force=(0.0, 0.0, 60e3)), friction=Friction(0.1, 0.1, feedback=False))
     static = solve_static(hard).warnings
     for feedback in (False, True):
-        found = answer(replace(hard, friction=replace(hard.friction, feedback=feedback))).record.as_json()["warnings"]
+        found = answer(replace(hard, friction=replace(hard.friction, feedback=feedback))).as_json()["warnings"]
         for head in ("contact ellipse too large", "contact pressure too high"):
             (once,) = (line for line in found if line.startswith(head))
             (other,) = (line for line in static if line.startswith(head))
@@ -59,19 +59,17 @@ def test_a_scene_that_states_no_play_says_what_play_does():
     """One line with both torques; none where the file says how the balls fit, or the screw is preloaded."""
     scene = replace(small_screw(force=(0.0, 0.0, 300.0)), friction=Friction(0.1, 0.1))
     found = answer(scene)
-    played = found.record.as_json()["play"]
+    played = found.as_json()["play"]
     smaller = replace(scene, errors=Errors(balls=BallErrors(oversize=-5e-6)))
-    assert played["friction_torque_as_given_Nmm"] == found.record.as_json()["torque"]["friction_torque_Nmm"]
+    assert played["friction_torque_as_given_Nmm"] == found.as_json()["torque"]["friction_torque_Nmm"]
     stated = answer(smaller)
-    assert played["friction_torque_Nmm"] == pytest.approx(
-        stated.record.as_json()["torque"]["friction_torque_Nmm"], rel=1e-9
-    )
-    assert found.record.warning.startswith("WARNING: no preload and no play are stated")
-    assert all(f"{played[key]:.4g} N mm" in found.record.warning for key in played if key.startswith("friction"))
+    assert played["friction_torque_Nmm"] == pytest.approx(stated.as_json()["torque"]["friction_torque_Nmm"], rel=1e-9)
+    assert found.warning.startswith("WARNING: no preload and no play are stated")
+    assert all(f"{played[key]:.4g} N mm" in found.warning for key in played if key.startswith("friction"))
     shown = [part for part in friction_terminal_parts(found) if isinstance(part, str)]
-    assert (shown[2], sum("no preload and no play" in part for part in shown)) == (found.record.warning, 1)
-    assert (stated.record.as_json()["play"], stated.record.warning) == (None, "")
-    assert answer(replace(scene, errors=Errors(balls=BallErrors(oversize=3e-6)))).record.as_json()["play"] is None
+    assert (shown[2], sum("no preload and no play" in part for part in shown)) == (found.warning, 1)
+    assert (stated.as_json()["play"], stated.warning) == (None, "")
+    assert answer(replace(scene, errors=Errors(balls=BallErrors(oversize=3e-6)))).as_json()["play"] is None
 
 
 STRICT = [

@@ -8,6 +8,8 @@ from tests.shipped_texts import own_text
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.template import ball_screw_text, commented_template
 
+pytestmark = pytest.mark.slow
+
 SCREW, AXIS = ball_screw_text("25x5"), catalogue.shipped_scene_text("axis-fixed-fixed")
 FIX = 'fix = ["ux", "uy", "rx", "ry", "rz"]'
 HELD = {

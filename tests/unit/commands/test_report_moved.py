@@ -2,7 +2,6 @@
 
 import json
 import subprocess
-from dataclasses import replace
 
 import pytest
 from tests.report_samples import paged
@@ -14,9 +13,13 @@ from rollbench.compare.scenes import catalogue
 from rollbench.reports import manifest, pages
 from rollbench.reports.content import Report, Section, Table, TableColumn
 
-COLUMNS = (TableColumn("m", "model", "", "s"), TableColumn("x", "error", "%", ".2f"), TableColumn("t", "cold", "s", ".2f"))
-ROWS = ({"m": "lin", "x": 6.0, "t": 1.0}, {"m": "refined", "x": 0.8, "t": 2.0}, {"m": "refined", "x": 0.7, "t": 2.0})
-TABLE = Table("errors", "Errors", COLUMNS, ROWS)
+ERROR, TIME = TableColumn("x", "error", "%", ".2f"), TableColumn("t", "cold", "s", ".2f")
+ROWS = (
+    {"model": "lin", ERROR: 6.0, TIME: 1.0},
+    {"model": "refined", ERROR: 0.8, TIME: 2.0},
+    {"model": "refined", ERROR: 0.7, TIME: 2.0},
+)
+TABLE = Table.from_rows("errors", "Errors", ROWS)
 TEXTS = {"two-balls": catalogue.shipped_scene_text("two-balls")}
 
 
@@ -27,8 +30,8 @@ def report(tmp_path, name: str, table: Table = TABLE):
 
 
 def test_what_moved_but_measured_seconds_is_listed_by_the_texts_of_its_row(tmp_path):
-    rows = [ROWS[2] | {"x": 0.77}, ROWS[0], {"m": "mei", "x": 20.0}, ROWS[1] | {"x": 0.8 * (1.0 + 1e-6)}]
-    later, other = (replace(TABLE, rows=found) for found in ([{**row, "t": 9.0} for row in ROWS], rows))
+    rows = [ROWS[2] | {ERROR: 0.77}, ROWS[0], {"model": "mei", ERROR: 20.0}, ROWS[1] | {ERROR: 0.8 * (1.0 + 1e-6)}]
+    later, other = (Table.from_rows("errors", "Errors", found) for found in ([row | {TIME: 9.0} for row in ROWS], rows))
     all_of = (("a",), ("b", later), ("c", other))
     first, second, third = (changes.read_report_tables(report(tmp_path, *of)) for of in all_of)
     assert list(changes.report_differences(first, second)) == []

@@ -51,7 +51,7 @@ def test_the_page_answers_first_and_needs_nothing_from_outside(page, html: str) 
     assert " um" in re.search(r"<pre>.*?</pre>", html, flags=re.DOTALL)[0]
     (table,) = (i for part in page.parts for i in part.items if getattr(i, "name", "") == "contacts")
     loads = [load for ball in page.results["balls"] for load in ball["load_N"].values() if load]
-    assert [row["load"] for row in table.rows] == pytest.approx(loads)
+    assert table.columns["load_of", "refined model"] == pytest.approx(loads)
 
 
 def test_a_picture_is_not_typeset(page, monkeypatch) -> None:
@@ -183,10 +183,11 @@ def test_the_page_of_an_axis_has_the_numbers_of_its_results():
     page, _ = scene_page.solve_and_make_page("smith-axis-taper", STORES)
     html, solved = scene_page_html(page), rollbench.solve("smith-axis-taper")
     assert page.verdict.startswith("The contact with the highest pressure, in right 1, carries")
-    tables = {item.name: item.rows for part in page.parts for item in part.items if hasattr(item, "rows")}
+    tables = {item.name: item for part in page.parts for item in part.items if hasattr(item, "rows")}
     loads = [load for s in solved.sets.values() for load in s.roller_loads]
-    assert [row["load"] for row in tables["rollers"]] == pytest.approx(loads)
-    shown = [float(row["force on shaft N"]) for row in tables["sets"]]
+    assert tables["rollers"].columns["roller_load"] == pytest.approx(loads)
+    (forces,) = (cells for head, cells in tables["sets"].columns.items() if head.label == "force on shaft N")
+    shown = [float(force) for force in forces]
     assert shown == pytest.approx([s.force[2] for s in solved.sets.values()], rel=1e-3)
     view = json.loads(re.search(r'id="view-data">(.*?)</script>', html, flags=re.DOTALL)[1])
     assert [one["name"] for one in view["cases"][0]["sets"]] == [*solved.sets]
@@ -206,8 +207,8 @@ def test_the_page_of_a_double_nut_draws_loads_and_friction_nut_by_nut():
         for series in panel.series:
             lost = [1e3 * ball.loss[series.label] for ball in friction.balls if ball.set == number]
             assert series.y == pytest.approx(lost)
-    assert items["torques"].rows[0]["quantity"] == "friction torque"
-    assert [row["freedom"] for row in items["tangent"].rows] == ["uz"], "no row of a held freedom"
+    assert next(iter(items["torques"].columns.values()))[0] == "friction torque"
+    assert items["tangent"].columns["component"] == ["uz"], "no row of a held freedom"
 
 
 def test_load_cases_of_an_axis_are_on_its_page_and_side_by_side(tmp_path):

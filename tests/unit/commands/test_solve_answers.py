@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy.io import mmread
+from tests.campaign.draw_axes import axis_text
 from tests.processes import COMMAND, ran
 
 from rollbench.compare.commands.solve import SolveOptions, dmig_text, exit_code_of_solutions, matrix_market_text
@@ -23,11 +24,12 @@ from rollbench.compare.models.loading import (
     solve_with_scaled_loads,
     with_scaled_loads,
 )
-from rollbench.compare.models.registry import MODELS, ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.compare.reference.estimate import reference_of_scene
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.results.compared import compare_models_with_reference
-from rollbench.compare.results.data import Friction
+from rollbench.compare.results.friction import Friction
 from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.template import ball_screw_text
@@ -71,6 +73,13 @@ def test_the_first_contact_is_lost_where_lift_off_says(oversize: float | None, l
 def test_without_preload_no_contact_is_lost() -> None:
     scene = catalogue.scene("lin-case1")
     assert lift_off_loads(scene) == (None,)
+
+
+def test_nuts_that_just_touch_have_no_preload_to_lose(tmp_path) -> None:
+    """Offsets that the housings give way to leave 1e-7 of the loads' contact forces, and each load near none minutes."""
+    path = tmp_path / "touching.toml"
+    path.write_text(axis_text(881402, 209), encoding="utf-8")
+    assert lift_off_loads(catalogue.scene_of_any_kind(str(path))) == (None,) * 4
 
 
 @pytest.mark.parametrize(("name", "opening"), [("double-nut", 1), ("axis-fixed-fixed", 3)])
@@ -214,7 +223,7 @@ def test_strict_ends_with_1_on_every_kind_of_warning_but_remarks(kind: Kind) -> 
         solved = SimpleNamespace(converged=True, solution=SimpleNamespace(warnings=(warned,)))
         codes = [exit_code_of_solutions([solved], SolveOptions("lin", strict=strict)) for strict in (False, True)]
         assert codes == [0, int(counts)]
-        line = Friction(scene="", title="", kind="", converged=True, reason="", warnings=(warned,), entries={}).warning
+        line = Friction(scene="", title="", kind="", converged=True, reason="", warnings=(warned,), keys=()).warning
         assert (bool(line), "outside what the models mean" in line) == (counts, kind in VALIDITY)
 
 
@@ -260,9 +269,9 @@ def test_compare_counts_displacements_from_where_solve_does() -> None:
     scene, stores = catalogue.scene("lin-case3"), (shipped_store(),)
     whole = compare_models_with_reference(scene, [MODELS["lin"]], reference_of_scene(scene, stores), stores)
     solved = solve_with_results(scene, "lin", QUIET)
-    (row,) = (b for b in whole.models if b.label == "lin")
-    assert row.axial_displacement == pytest.approx(solved.displacement[2], rel=1e-9)
+    (row,) = (b for b in whole.models if b.name == "lin")
+    assert row.displacement == pytest.approx(solved.displacement[2], rel=1e-9)
     assert whole.unloaded_position != 0.0
     loads = whole.reference_loads
     bare = np.interp(scene.loads[0].at, loads.contact_loads.stations, loads.contact_loads.line[:, 2])
-    assert loads.axial_displacement == pytest.approx(bare - whole.unloaded_position, rel=1e-12)
+    assert loads.displacement == pytest.approx(bare - whole.unloaded_position, rel=1e-12)

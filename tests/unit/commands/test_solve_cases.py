@@ -10,12 +10,13 @@ from tests.helpers import small_screw
 from tests.load_cases import CASES, SHIPPED, TEXT, case, written
 
 import rollbench
-from rollbench.compare.models import load_cases, registry
+from rollbench.compare.models import load_cases
+from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.studies.sweep.keys import read_varied_keys
 from rollbench.compare.studies.sweep.run import SweepDefinition
-from rollbench.compare.studies.sweep.sample import VariedScene, solve_sample
-from rollbench.lowfi.rating.life import basic_rating_life, damage_equivalent_contact_loads, life_by_equivalent_loads
+from rollbench.compare.studies.sweep.sample import VariedScene, solve_samples
+from rollbench.lowfi.rating.life import basic_rating_life, damage_equivalent_loads, life_by_equivalent_loads
 from rollbench.reports.scene_html import read_page_data
 
 #: A ring that nothing holds across its two balls, without and with a force across them.
@@ -34,9 +35,9 @@ def test_cases_in_order_each_as_it_is_alone_and_their_summary(tmp_path, command)
     assert cases[0]["balls"] == alone["balls"]
     assert (whole["largest_pressure_case"], whole["least_static_safety_case"]) == ("push", "push")
     assert whole["largest_pressure_MPa"] == max(one["summary"]["worst_contact"]["pressure_MPa"] for one in cases)
-    loads = [solve_with_results(SHIPPED, "lin", registry.ModelOptions()).loads]
+    loads = [solve_with_results(SHIPPED, "lin", ModelOptions()).loads]
     loads.append(np.array([list(ball["load_N"].values()) for ball in cases[1]["balls"]]))
-    life = basic_rating_life(SHIPPED, damage_equivalent_contact_loads(loads, [0.75, 0.25])).revolutions
+    life = basic_rating_life(SHIPPED, damage_equivalent_loads(loads, [0.75, 0.25])).revolutions
     assert whole["reference_life"]["L10r_million_revolutions"] == life
     assert (whole["life"], "preload" in whole["life_words"]) == (None, True)
     rows = list(csv.DictReader((tmp_path / "loads.csv").read_text().splitlines()))
@@ -97,20 +98,20 @@ def test_a_page_shows_all_cases_and_the_worst_one_in_full(tmp_path, command) -> 
 def test_a_sweep_takes_the_worst_case_and_the_life_over_the_cycle(tmp_path) -> None:
     keys = read_varied_keys(["cases[1].supports[0].displace.uz=4 um,9 um"])
     SweepDefinition(TEXT, "two.toml", keys, 2, "grid", model="lin").check()
-    low, high = (solve_sample(VariedScene(TEXT, "two.toml", keys), [f"{x} um"], "lin") for x in (4, 9))
+    low, high = solve_samples(VariedScene(TEXT, "two.toml", keys), [["4 um"], ["9 um"]], "lin")
     assert low["at"].startswith("case balls: ")
     assert high["at"].startswith("case push: ")
     pushed = rollbench.solve(written(tmp_path, TEXT.replace('uz = "8 um"', 'uz = "9 um"')), "lin")
     assert high["life_million_revolutions"] == pytest.approx(pushed.reference_life.revolutions, rel=1e-12)
     text = TEXT.replace(CASES, OPEN).replace('fix = ["uy", ', "fix = [")
-    assert solve_sample(VariedScene(text, "two.toml", ()), (), "lin")["status"].startswith("case open: ")
+    assert solve_samples(VariedScene(text, "two.toml", ()), [()], "lin")[0]["status"].startswith("case open: ")
 
 
 @pytest.mark.parametrize("force", [0.02, 600.0])
 def test_a_nut_on_a_shaft_bears_its_own_force_alone(force: float) -> None:
     """ISO 3408-5 adds preload between two halves: offsets that preload a set of several are in its force already."""
     screw = one_set(small_screw(4, force=(0.0, 0.0, force)))
-    solved = solve_with_results(screw, "lin", registry.ModelOptions())
+    solved = solve_with_results(screw, "lin", ModelOptions())
     nut = load_cases.loads_for_life(screw, solved.sets["nut"])
     found = life_by_equivalent_loads([nut.parts], [1.0], [nut.force], nut.preload)
     assert found.equivalent_loads == (pytest.approx(force, rel=1e-6), 0.0)

@@ -9,6 +9,8 @@ from tests.processes import python
 
 from rollbench.meshes.processes import VARIABLES
 
+pytestmark = pytest.mark.slow
+
 UNSET = {name: value for name, value in os.environ.items() if name not in VARIABLES}
 COUNT = """
 import atexit, json, sys

@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.groove_patch import patch_self_motion
 
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.compare.studies.survey import SEED, random_screw_scene_text
@@ -14,7 +16,7 @@ from rollbench.lowfi.compliance import parts as compliance_parts
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, half_space_compliance
 from rollbench.lowfi.compliance.bodies import clear_compliance_cache
 from rollbench.lowfi.compliance.fourier import BodyOfRevolution, QuadrilateralGrid, solve_harmonic_displacements
-from rollbench.lowfi.compliance.groove import patch_self_motion, sampled_harmonics, symmetric_and_antisymmetric_loads
+from rollbench.lowfi.compliance.groove import sampled_harmonics, symmetric_and_antisymmetric_loads
 from rollbench.meshes.helix import ball_layout
 
 pytestmark = pytest.mark.xdist_group("near face")

@@ -18,5 +18,5 @@ def test_friction_warns_of_pressed_rollers_as_statics_does(offset, pressed):
     axis = replace(axis, sets=(*rows, *axis.sets[2:]))
     of_rollers = [w for w in solved(axis).warnings if w.startswith("rollers") and w.kind == "pressure"]
     assert bool(of_rollers) is pressed
-    warned = solve_friction_of_shaft(axis, FrictionChoices(model="lin", mu=(0.1,))).record.as_json()["warnings"]
+    warned = solve_friction_of_shaft(axis, FrictionChoices(model="lin", mu=(0.1,))).as_json()["warnings"]
     assert [w for w in warned if w.startswith("rollers") and w.kind == "pressure"] == of_rollers

@@ -10,6 +10,7 @@ from tests.friction_oracles import dissipated_power
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.studies.friction.solve import solve_friction_of_named_scene
 from rollbench.compare.studies.friction.whole import FrictionChoices
+from rollbench.compare.text.friction import friction_text
 from rollbench.lowfi.as_source.balls import balls_of_linear_bearing
 from rollbench.lowfi.friction.linear.bearing import loads_of_elastic_contacts
 from rollbench.lowfi.friction.linear.chain import carriage_drive_force, find_second_equilibrium, prepare_linear_chain
@@ -103,8 +104,8 @@ friction = {{ coefficient = 0.1, balls = {mu_balls} }}
 @pytest.mark.parametrize(("mu_balls", "said"), [(0.1, "up to 8.12 N"), (0.02, "no second"), (0.0, "one only")])
 def test_a_typed_chain_says_what_is_known_of_a_jammed_state(mu_balls, said, tmp_path):
     found = solve_friction_of_named_scene(chain_file(tmp_path, mu_balls), FrictionChoices())
-    assert found.record.converged
-    assert found.record.as_json()["pairs"][0]["force_N"] == 0.0
-    assert said in found.text
-    assert (found.record.as_json()["second_state"] is not None) is (mu_balls > LIMIT)
-    assert any(w.kind == "jam" for w in found.record.as_json()["warnings"]) is (mu_balls > LIMIT)
+    assert found.converged
+    assert found.as_json()["pairs"][0]["force_N"] == 0.0
+    assert said in friction_text(found)
+    assert (found.as_json()["second_state"] is not None) is (mu_balls > LIMIT)
+    assert any(w.kind == "jam" for w in found.as_json()["warnings"]) is (mu_balls > LIMIT)

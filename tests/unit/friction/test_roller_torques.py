@@ -4,6 +4,8 @@ import pytest
 
 from rollbench.compare.scenes.catalogue import shipped_scene_text
 
+pytestmark = pytest.mark.slow
+
 INCH_POUND = 25.4 * 4.4482216152605
 
 

@@ -92,9 +92,6 @@ def test_unique_from_random_starts_in_any_frame(forces):
     turned = equilibrium.least_dissipation(replace(p, imposed_contact_motions=frame))
     assert turned.unknown_velocities - [13.0, 0.0, 0.0] == pytest.approx(m.unknown_velocities, rel=1e-9)
     assert turned.loss == pytest.approx(m.loss, rel=1e-10)
-    assert m.dissipation_bounds[0] <= m.loss * (1.0 + 1e-12)
-    assert m.dissipation_bounds[1] >= m.loss * (1.0 - 1e-9)
-    assert m.dissipation_bounds[1] - m.dissipation_bounds[0] <= 1e-5 * m.loss
     rng = np.random.default_rng(7)
     for _ in range(25):
         start = rng.normal(size=3) * 10.0 ** rng.uniform(-2, 4)

@@ -16,7 +16,7 @@ from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import pair_angles_and_loads
 from rollbench.lowfi.friction.linear.chain import solve_pair_of_linear_balls as solve_linear_pair
 from rollbench.lowfi.friction.screw import motion
-from rollbench.lowfi.friction.screw.chain import ScrewBallChain, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.chain import screw_ball_chain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, section_axes
 
 SCREW = source_cases.screw_groove()
@@ -204,7 +204,7 @@ def test_long_radius_is_the_linear_bearing() -> None:
     groove = line.ball_radius, line.conformity * 2.0 * line.ball_radius, radius, 0.0, line.contact_angle
     screw = ScrewGroove(*groove, line.young, line.poisson, line.mu, line.speed / radius, mu_balls=line.mu_balls)
     balls = screw, loads[:, order], screw.normals(angles[:, order])
-    apart, touching = (solve_motion_of_chain(ScrewBallChain(*balls, np.array([gap, np.inf]))) for gap in (np.inf, 0.0))
+    apart, touching = (solve_motion_of_chain(screw_ball_chain(*balls, np.array([gap, np.inf]))) for gap in (np.inf, 0.0))
     assert touching.ball_force[0] == pytest.approx(found.ball_to_ball_force, rel=1e-4)
     assert apart.loss == pytest.approx(found.apart.loss, rel=1e-4)
     assert touching.loss == pytest.approx(found.touching.loss, rel=1e-4)

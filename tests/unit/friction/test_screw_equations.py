@@ -7,7 +7,7 @@ import pytest
 
 from rollbench.compare.cases.lin.evidence.source_cases import oversized_pair, screw_groove
 from rollbench.lowfi.friction.screw import balance, joint, neighbours
-from rollbench.lowfi.friction.screw.chain import BalanceSearch, ScrewBallChain
+from rollbench.lowfi.friction.screw.chain import BalanceSearch, ScrewBallChain, screw_ball_chain
 from rollbench.lowfi.friction.screw.coupled import loads_and_motion_system
 from rollbench.lowfi.friction.screw.motion import arrays_for_contact_loads, solve_screw_contact_loads
 
@@ -26,7 +26,7 @@ def balls_in_motion(rng: np.random.Generator, count: int = 5) -> tuple[ScrewBall
     force = rng.uniform(5.0, 50.0, (count, 4))
     force[2] = 0.0
     normals = groove.normals(groove.contact_angle + rng.uniform(-0.05, 0.05, (count, 4)))
-    chain = ScrewBallChain(groove, force, normals, np.array([0.0, 0.3, np.inf, 0.0, 1.0])[:count])
+    chain = screw_ball_chain(groove, force, normals, np.array([0.0, 0.3, np.inf, 0.0, 1.0])[:count])
     x = np.array([0.6, -0.4, 0.2, 1.1]) + rng.normal(size=(count, 4)) * 0.1
     return chain, x, rng.uniform(-0.1, 0.4, count)
 
@@ -53,7 +53,7 @@ def test_loads_and_motion_by_differences(share: float, rng: np.random.Generator)
     pair = replace(oversized_pair(TWO), oversize=4e-6, free="rz", force=(3.0, 50.0))
     cell = pair.balls_with_loads()
     load = solve_screw_contact_loads(cell)
-    chain = ScrewBallChain(cell.groove, load.force, cell.groove.normals(load.angle), np.array([0.1, np.inf]))
+    chain = screw_ball_chain(cell.groove, load.force, cell.groove.normals(load.angle), np.array([0.1, np.inf]))
     system, eps, h = loads_and_motion_system(arrays_for_contact_loads(cell), cell, BalanceSearch(chain)), 0.05, 1e-5
     x, f = np.array([0.6, -0.4, 0.2, 1.1]) + rng.normal(size=(2, 4)) * 0.1, np.array([0.3, 0.0])
     at, unit = joint.LoadsAndMotionUnknowns(*load.displacements, x, f), system.position_unit

@@ -10,7 +10,7 @@ from tests.helpers import SCREW_STATES as STATES
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.screw import run
-from rollbench.lowfi.friction.screw.chain import BalanceSearch, ScrewBallChain, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.chain import BalanceSearch, ScrewBallChain, screw_ball_chain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw, solve_ball_motion
 
 SCREW = source_cases.screw_groove()
@@ -22,7 +22,7 @@ FLIP = [1, 0, 3, 2]  # SL <-> SR, NL <-> NR
 
 def open_chain(screw, force, angle) -> ScrewBallChain:
     """Balls that touch, but for the last one and the first."""
-    return ScrewBallChain(screw, force, screw.normals(angle), np.append(np.zeros(len(force) - 1), np.inf))
+    return screw_ball_chain(screw, force, screw.normals(angle), np.append(np.zeros(len(force) - 1), np.inf))
 
 
 @pytest.mark.parametrize("make", [source_cases.pair_as_printed, source_cases.oversized_pair])
@@ -123,13 +123,17 @@ def test_chains_converge(name: str, count: int, load: float) -> None:
     assert r.input_power == pytest.approx(r.loss, rel=1e-8)
 
 
+#: Oversizes of the ball radii [m].
+OVERSIZES = (1e-6, 1.7e-6, 2.5e-6)
+
+
 def test_maps_over_the_assumptions_hold_the_pair_whose_losses_grow_with_the_coefficient() -> None:
-    m = run.results_over_oversize_and_force(PAIR, np.array([1.0, 1.7, 2.5]) * 1e-6, np.array([0.0, 50.0]))
-    assert m.converged.all()
-    assert np.all(np.diff(m.force, axis=0) > 0.0)
-    assert np.all(np.diff(m.friction_increase, axis=0)[:, 0] < 0.0)
+    over = [[run.solve_pair_of_screw_balls(replace(PAIR, oversize=o, force=(f,))) for f in (0.0, 50.0)] for o in OVERSIZES]
+    assert all(found.converged for row in over for found in row)
+    assert np.all(np.diff([[found.force for found in row] for row in over], axis=0) > 0.0)
+    assert np.all(np.diff([row[0].friction_increase for row in over]) < 0.0)
     one, slippery = (run.solve_pair_of_screw_balls(replace(PAIR, groove=replace(SCREW, mu=mu))) for mu in (0.1, 0.001))
-    assert m.force[1, 1] == pytest.approx(one.force, rel=1e-9)
+    assert over[1][1].force == pytest.approx(one.force, rel=1e-9)
     assert slippery.apart.motion.loss == pytest.approx(0.01 * one.apart.motion.loss, rel=1e-8)
 
 

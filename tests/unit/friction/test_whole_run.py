@@ -13,7 +13,7 @@ from tests.whole_screws import contacts_in, scene_of
 
 from rollbench.compare.cases.lin.evidence.source_cases import simulation_inputs
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
-from rollbench.lowfi.friction.screw.chain import ScrewBallChain, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.chain import screw_ball_chain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.motion import solve_screw_contact_loads
 from rollbench.lowfi.friction.screw.run import balls_at_instant
 from rollbench.lowfi.friction.screw.travel import simulate
@@ -153,7 +153,7 @@ def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
     g, azimuth = case.groove, case.ring * (np.arange(37) + 0.5) / 37 - np.pi * case.turns
     loads = solve_screw_contact_loads(balls_at_instant(case, azimuth, np.ones(37, dtype=bool), 0.0))
     slack = np.append(np.full(36, clearance), np.inf)
-    expected = solve_motion_of_chain(ScrewBallChain(g, loads.force, g.normals(loads.angle), slack))
+    expected = solve_motion_of_chain(screw_ball_chain(g, loads.force, g.normals(loads.angle), slack))
     scene, at = scene_of(g, azimuth), contacts_in(g, loads.force, loads.angle, azimuth)
     friction, drive = Friction(g.mu, g.mu, feedback=False), Motion(g.nut_speed, "nut")
     found = solve_motion_on_track(scene, at, slack, friction, drive, grooves_of_scene(scene, friction, drive))

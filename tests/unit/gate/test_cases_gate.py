@@ -14,7 +14,8 @@ from tests.load_cases import TEXT as WITH_STORED
 import rollbench
 from rollbench.compare.gate import user
 from rollbench.compare.models import comparison as references
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.reference.store import load_stored_run, save_run, shipped_store
 from rollbench.compare.reference.tasks import (
     ball_slices_by_set,
@@ -25,7 +26,9 @@ from rollbench.compare.reference.tasks import (
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.catalogue import shipped_scene_text
 from rollbench.hifi import setup
-from rollbench.lowfi.rating.life import basic_rating_life, damage_equivalent_contact_loads
+from rollbench.lowfi.rating.life import basic_rating_life, damage_equivalent_loads
+
+pytestmark = pytest.mark.slow
 
 #: No case has a shipped run: the balls are larger by 0.1 um than those of the shipped scene.
 TEXT = WITH_STORED.replace('name = "balls"', 'name = "rest"').replace('oversize = "5 um"', 'oversize = "5.1 um"')
@@ -92,7 +95,7 @@ def test_compare_sets_the_life_over_the_cycle_beside_that_of_the_reference(comma
     assert {(one["scene"], one["case"]): one["share"] for one in found["cases"]} == shares
     (whole,) = found["summary"]
     assert whole["largest_error_case"] == "push"
-    by_reference = basic_rating_life(SHIPPED, damage_equivalent_contact_loads([loads["rest"], loads["push"]], [0.75, 0.25]))
+    by_reference = basic_rating_life(SHIPPED, damage_equivalent_loads([loads["rest"], loads["push"]], [0.75, 0.25]))
     assert whole["life_million_revolutions"]["3D reference"] == pytest.approx(by_reference.revolutions, rel=1e-6)
     assert whole["life_error_percent"] < -1.0
     assert {row["case"] for row in found["rows"]} == {"rest", "push", "loose"}
@@ -167,7 +170,7 @@ def test_every_case_is_the_scene_under_its_loads_and_every_set_has_its_life(comm
     each = [np.array([list(b["load_N"].values()) for b in one["balls"]]) for one in found["cases"]]
     for k, of_set in enumerate(whole["sets"]):
         loads = [load[8 * k : 8 * k + 8] for load in each]
-        expected = basic_rating_life(parts[k].parts, damage_equivalent_contact_loads(loads, [0.7, 0.3, 0.0]))
+        expected = basic_rating_life(parts[k].parts, damage_equivalent_loads(loads, [0.7, 0.3, 0.0]))
         assert (of_set["name"], of_set["standard_life"]["standard"]) == (NUTS[k], "ISO 3408-5")
         assert of_set["life"]["L10_million_revolutions"] == expected.revolutions
         assert abs(of_set["life_difference_percent"]) < 20.0, "the axial force of a nut is that of its contacts"

@@ -123,5 +123,5 @@ def test_the_page_of_a_scene_shows_both(tmp_path) -> None:
     assert [*shown] == ["refined", "bench.csv", "3D reference"]
     low, high = shown["bench.csv"].error_bars
     assert high[1] - low[1] == pytest.approx(0.6 * estimate.reference_of_scene(GIVEN).mean, rel=0.2)
-    heads = " ".join(column.label for column in table.columns)
+    heads = " ".join(column.label for column in table.heads.values())
     assert all(name in heads for name in ("bench.csv", "3D reference"))

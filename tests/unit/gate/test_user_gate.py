@@ -11,7 +11,8 @@ from rollbench.compare.errors import InputError, SceneNotCoveredError
 from rollbench.compare.gate import user
 from rollbench.compare.gate.user import GateRequest, check_scenes, gate_request, limits_for_scene
 from rollbench.compare.models import loads_file
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.reference import estimate, jobs
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.meshes.parts import SIDES

@@ -16,7 +16,7 @@ from rollbench.hifi.setup import RecordJob, compute_records
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.parts import FourierTerm, Load, SideErrors, Support
 
-pytestmark = pytest.mark.xdist_group("helped by processes")
+pytestmark = [pytest.mark.xdist_group("helped by processes"), pytest.mark.slow]
 
 
 def test_a_screw_without_its_3d_shaft_does_not_depend_on_which_flanks_bear(small):

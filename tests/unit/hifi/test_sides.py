@@ -24,7 +24,7 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.sockets import AZIMUTH_TURNED, points_in_box_at_azimuth_zero
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
-pytestmark = pytest.mark.xdist_group("both flanks")
+pytestmark = [pytest.mark.xdist_group("both flanks"), pytest.mark.slow]
 
 SETTINGS = replace(SMALL, modes=8, ball_modes=12)
 

@@ -17,7 +17,7 @@ import scipy.sparse as sp
 from skfem import MeshTet, MeshTet2
 
 from rollbench.meshes import cache as module
-from rollbench.meshes.cache import Cache, cached_on_disk, key_of_result
+from rollbench.meshes.cache import Cache, StageMessage, cached_on_disk, key_of_result, record_from_bytes, record_to_bytes
 from rollbench.meshes.files import create_private_folder
 
 
@@ -86,6 +86,20 @@ def test_a_record_comes_back(tmp_path: Path):
     answers(again, never(record))
     assert (first.hits, first.misses, again.hits, again.misses) == (0, 1, 1, 0)
     assert len(stored(tmp_path)) == 1
+
+
+@pytest.mark.parametrize(
+    "value", [np.float64(0.1), np.bool_(True), np.int64(-3), np.str_("a"), range(2, 9, 3), {(1, "a"): None}]
+)
+@pytest.mark.parametrize("compressed", [False, True])
+def test_a_plain_value_comes_back_with_its_type(value, compressed):
+    found = record_from_bytes(record_to_bytes(value, compressed=compressed))
+    assert (found, type(found)) == (value, type(value))
+
+
+def test_of_a_text_with_attributes_the_text_comes_back():
+    found = record_from_bytes(record_to_bytes(StageMessage("screw", "meshed", cached=True)))
+    assert (found, type(found)) == ("screw: meshed", str)
 
 
 def test_a_mesh_comes_back_with_its_names_and_another_class_is_refused(tmp_path: Path):

@@ -9,7 +9,7 @@ from tests.helpers import FLANK_ERRORS, small_screw
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Errors
-from rollbench.meshes.surface import principal_curvatures, surface_derivatives
+from rollbench.meshes.surface import groove_radius_with_slopes, principal_curvatures, surface_derivatives
 
 #: Signs (s_x, s_z) of the contact direction, written out once more.
 DIRECTION = {"SL": (-1, -1), "SR": (-1, 1), "NL": (1, -1), "NR": (1, 1)}
@@ -136,3 +136,18 @@ def test_constant_offset_of_all_flanks_is_a_change_of_radius():
     drawn = setup(Errors(SL=side))[2]
     assert drawn.groove_radii == pytest.approx([3.253e-3, 3.254e-3, 3.3e-3, 3.3e-3], rel=1e-14)
     assert drawn.profile_coefficients.shape == (4, 0)
+
+
+def test_a_profile_error_goes_on_around_the_groove_without_a_step_or_a_kink():
+    profile, h = np.array([2e-6, -0.6e-6, 0.3e-6]), 1e-3
+    gamma = np.arange(-4.0, 4.0, 2 * h)
+    rho, slope, bend = groove_radius_with_slopes(gamma, 3e-3, profile)
+    before, after = (groove_radius_with_slopes(gamma + d, 3e-3, profile) for d in (-h, h))
+    assert (after[0] - before[0]) / (2 * h) == pytest.approx(slope, abs=1e-10)
+    assert (after[1] - before[1]) / (2 * h) == pytest.approx(bend, abs=1e-7)
+    far = gamma[gamma < -2.4]
+    assert groove_radius_with_slopes(far + 2 * np.pi, 3e-3, profile) == pytest.approx(
+        np.stack([rho, slope, bend])[:, gamma < -2.4]
+    )
+    here = np.abs(gamma - np.pi / 4) < np.pi / 2
+    assert np.array_equal(rho[here], 3e-3 - np.polynomial.Polynomial(profile)(gamma[here]))

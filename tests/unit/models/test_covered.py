@@ -8,11 +8,14 @@ import pytest
 from tests.helpers import small_screw
 
 from rollbench.compare.models import model_form
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating.catalogue_checks import shaft_limits
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import Flange, Load, Material, Support
+
+pytestmark = pytest.mark.slow
 
 SCENE = catalogue.scene("lin-case1")
 STEEL = SCENE.nut.material

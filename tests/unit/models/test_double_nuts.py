@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from rollbench.compare.models import model_form
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import survey
 from rollbench.meshes.axis import Assembly

@@ -14,7 +14,8 @@ from tests.helpers import with_ingredients
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.loading import with_scaled_loads
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.models.stiffness import stiffness_of_scene
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import ComputingSettings

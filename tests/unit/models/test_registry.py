@@ -7,7 +7,8 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.models import comparison, model_form
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import catalogue
 
 QUIET = ModelOptions(estimate_beam_mesh_error=False)

@@ -117,33 +117,42 @@ def test_loads_of_runs_are_kept_beside_those_that_a_file_has(tmp_path, monkeypat
 
 
 def runs_of(number):
-    """Level 1 with the survey's loads in 50 s, level 2 with loads that are 2 % larger in 90 s."""
+    """Level 1 with the survey's loads in 50 s, level 2 with loads that are 2 % larger, models with loads 10 % larger."""
     load = np.array(survey_models.stored_loads()[number]["load"])
-    coarse = survey_models.TimedLevelRun(number, 1, "converged", 50.0, 0.5, load.tolist())
-    return [coarse, replace(coarse, level=2, seconds=90.0, further_seconds=0.8, load=(1.02 * load).tolist())]
+    one = survey_models.TimedRun(number, "lin", "converged", 0.5, 0.1, (1.1 * load).tolist())
+    levels = [
+        replace(one, name="3D level 1", seconds=50.0, load=load.tolist()),
+        replace(one, name="3D level 2", seconds=90.0, load=(1.02 * load).tolist()),
+    ]
+    return [replace(one, name=name) for name in survey_models.TIMED if name not in survey_models.LEVELS] + levels
 
 
-def test_level_1_and_the_models_are_judged_by_level_2():
-    runs, records = runs_of(survey_models.numbers_of_screws_for_level_2()[0]), survey.records_of_screws_known_before()
-    found = {(s.name, s.reference_level): s for s in survey_models.errors_and_times_of_models(runs, records)}
-    coarse = found["3D level 1", "level 2"]
-    assert coarse.gate_errors == pytest.approx([100.0 * 0.02 / 1.02])
-    assert (coarse.first_case_seconds, coarse.further_case_seconds) == (50.0, 0.5)
-    assert found["3D level 2", ""].gate_errors.size == 0, "the finest level has no error from these runs"
-    assert found["refined", "level 1"].gate_errors.size == len(records)
-    (by_level_1,) = (r["models"]["lin"]["largest_percent"] for r in records if r["number"] == runs[0].number)
-    by_level_2 = found["lin", "level 2"].errors_of_mean_load[0]
-    assert by_level_2 == pytest.approx(by_level_1, abs=100.0 * 0.02 * 3.0)
-    assert by_level_2 != pytest.approx(by_level_1, abs=0.05)
+def test_the_last_level_judges_models_and_levels_on_the_screws_that_it_solved():
+    first, second = (runs_of(number) for number in survey_models.numbers_of_timed_screws()[:2])
+    failed = replace(second[3], status="not converged")
+    for runs, screws in ((first, 1), ([*first, *second[:3], failed, *second[4:]], 2)):
+        found = {s.name: s for s in survey_models.errors_and_times(runs)}
+        assert list(found) == list(survey_models.TIMED)
+        assert found["3D level 1"].gate_errors == pytest.approx(screws * [100.0 * 0.02 / 1.02])
+        assert found[failed.name].gate_errors == pytest.approx([100.0 * 0.08 / 1.02])
+        assert (found["3D level 1"].first_case_seconds[0], found["lin"].further_case_seconds) == (50.0, 0.1)
+        assert found["3D level 2"].gate_errors.size == 0, "the finest level has no error from these runs"
+
+
+def test_a_model_is_timed_without_what_an_earlier_solution_left():
+    number = survey_models.numbers_of_timed_screws()[0]
+    first, again = (survey_models.solve_and_time(number, "refined") for _ in range(2))
+    assert first.load == again.load
+    assert again.seconds > 2.0 * again.further_seconds
 
 
 def test_runs_of_the_same_sources_are_not_repeated(tmp_path):
-    runs, mine = runs_of(survey_models.numbers_of_screws_for_level_2()[0]), measuring_conditions()
+    runs, mine = runs_of(survey_models.numbers_of_timed_screws()[0]), measuring_conditions()
     for conditions, count, expected in ((mine, 1, runs), (replace(mine, version="0.1.0"), 0, [])):
-        stored = survey_models.StoredTimedLevelRuns(conditions, "2026-01-01", runs)
-        survey_models.save_timed_level_runs(tmp_path, stored)
-        assert survey_models.load_timed_level_runs((tmp_path,)).runs == runs
-        again = survey_models.time_mesh_levels_on_screws(tmp_path, lambda text: pytest.fail(text), count=count)
+        stored = survey_models.StoredTimedRuns(conditions, "2026-01-01", runs)
+        survey_models.save_timed_runs(tmp_path, stored)
+        assert survey_models.load_timed_runs((tmp_path,)).runs == runs
+        again = survey_models.time_models_and_levels_on_screws(tmp_path, lambda text: pytest.fail(text), count=count)
         assert list(again.runs) == expected
 
 

@@ -10,46 +10,51 @@ from rollbench.compare import files
 from rollbench.compare.models import applicability, uncertainty
 from rollbench.compare.models.answers import results_of_contact_loads
 from rollbench.compare.models.comparison import solution_from_run
+from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.model_form import estimate_model_error
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.quantities import record_as_json
 from rollbench.compare.reference.estimate import largest_uncertainty_percent
 from rollbench.compare.sections.fit import validated_range_table
+from rollbench.compare.sections.u_val import bias_and_scatter
 from rollbench.meshes.parts import Material
 
 pytestmark = pytest.mark.xdist_group("u_val")
 
 STUDY = SceneResultCache()
-KNOWN = {
-    "lin-case1": uncertainty.LargestChoiceEffects("lin-case1", 1.5, "lands", 1.2),
-    "lin-case3": uncertainty.LargestChoiceEffects("lin-case3", 2.5, "held face", 2.4),
-}
-WHOLE = uncertainty.LoadUncertainty(0.3, False, KNOWN["lin-case3"], 0.4, "angle, where there is one", 1.2, True)
+KNOWN = {"lin-case1": (1.5, "lands"), "lin-case3": (2.5, "held face")}
+WHOLE = uncertainty.Uncertainty(
+    discretisation=0.3,
+    choices=2.5,
+    largest_choice="held face",
+    inputs=0.4,
+    largest_input="angle, where there is one",
+    second_order=1.2,
+    shared=True,
+)
 
 
 def test_parts_add_by_squares_and_the_largest_are_named() -> None:
-    assert WHOLE.percent == pytest.approx(np.sqrt(0.3**2 + 2.5**2 + 0.4**2 + 1.2**2))
+    assert WHOLE.total == pytest.approx(np.sqrt(0.3**2 + 2.5**2 + 0.4**2 + 1.2**2))
     parts = ("together 2.82 %", "modelling choices 2.50 %, mainly held face", "input (tolerances) 0.40 %, mainly angle")
     for words in parts:
-        assert words in WHOLE.uncertainty_text
-    less = replace(WHOLE, choices=None, inputs=None, by_experience=True, shared=False)
-    assert less.percent == pytest.approx(np.hypot(0.3, 1.2))
-    assert "estimated from other scenes; modelling choices not known; input (tolerances) not known" in less.uncertainty_text
+        assert words in WHOLE.words
+    less = replace(WHOLE, choices=None, largest_choice="", inputs=None, by_experience=True, shared=False)
+    assert less.total == pytest.approx(np.hypot(0.3, 1.2))
+    assert "estimated from other scenes; modelling choices not known; input (tolerances) not known" in less.words
     assert (WHOLE.shared_error_sentence == "", less.shared_error_sentence) == (False, "")
     assert record_as_json(less)["modelling_dominated_by"] is None
 
 
-def test_choices_speak_for_scenes_of_their_parts_or_else_the_largest(tmp_path) -> None:
+def test_choices_speak_for_scenes_of_their_parts_or_else_the_largest() -> None:
     scene = STUDY.built_in_scene("lin-case2")
     mine = replace(scene, name="mine")
-    assert uncertainty.applicable_choice_effects(scene, KNOWN) == KNOWN["lin-case1"]
-    assert uncertainty.applicable_choice_effects(mine, KNOWN) == KNOWN["lin-case3"]
-    assert uncertainty.applicable_choice_effects(mine, {}) is None
+    assert uncertainty.scene_with_applicable_choices(scene, KNOWN) == "lin-case1"
+    assert uncertainty.scene_with_applicable_choices(mine, KNOWN) == "lin-case3"
+    assert uncertainty.scene_with_applicable_choices(mine, {}) == ""
     soft = replace(scene, nut=replace(scene.nut, material=Material(3e9, 0.4)))  # under the name of a varied one, too
-    assert uncertainty.applicable_choice_effects(soft, KNOWN) is None
-    uncertainty.save_choice_effects(tmp_path, KNOWN)
-    assert uncertainty.read_choice_effects(tmp_path) == KNOWN
+    assert uncertainty.scene_with_applicable_choices(soft, KNOWN) == ""
 
 
 def test_the_total_of_a_preloaded_scene(monkeypatch) -> None:
@@ -57,9 +62,9 @@ def test_the_total_of_a_preloaded_scene(monkeypatch) -> None:
     quantity = uncertainty.QUANTITIES[0]
     whole = uncertainty.uncertainty_of_loads(scene, found)
     assert (whole.discretisation, whole.shared, whole.by_experience) == (largest_uncertainty_percent(found), True, False)
-    assert (whole.choices.scene, whole.choices.choice) == ("lin-case3", "width of the nut's held face")
+    assert (whole.choices_varied_on, whole.largest_choice) == ("lin-case3", "width of the nut's held face")
     parts = uncertainty.effects_of_input_tolerances(STUDY, scene, quantity)
-    assert whole.input == max(parts, key=lambda k: np.abs(parts[k]).max())
+    assert whole.largest_input == max(parts, key=lambda k: np.abs(parts[k]).max())
     assert whole.inputs == pytest.approx(float(uncertainty.combined_input_effect(STUDY, scene, quantity)[0].max()))
     monkeypatch.setattr(uncertainty, "MODELS", {"lin": type("none", (), {"covers_scene": staticmethod(lambda _: False)})})
     assert uncertainty.uncertainty_of_loads(scene, found).inputs is None, "the model that varies them does not cover it"
@@ -80,22 +85,21 @@ SCENE = "lin-case1"
 
 
 def test_an_unknown_part_leaves_u_val_unknown_and_counts_nothing_where_that_is_said() -> None:
-    parts = uncertainty.UncertaintyParts({"a": np.array([3.0, np.nan]), "b": 4.0})
-    assert parts.root_sum_of_squares() == pytest.approx([5.0, np.nan], nan_ok=True)
-    assert parts.root_sum_of_squares(unknown=0.0) == pytest.approx([5.0, 4.0])
+    parts = (np.array([3.0, np.nan]), 4.0)
+    assert uncertainty.root_sum_of_squares(parts) == pytest.approx([5.0, np.nan], nan_ok=True)
+    assert uncertainty.Uncertainty(discretisation=3.0, inputs=4.0).total == pytest.approx(5.0)
 
 
 @pytest.mark.parametrize("quantity", uncertainty.QUANTITIES, ids=lambda q: q.name)
 def test_every_part_is_there(quantity) -> None:
-    found = uncertainty.validation_uncertainty(STUDY, SCENE, quantity)
-    assert len(found.parts) == 3
-    for values in found.parts.values():
+    parts, _ = uncertainty.validation_uncertainty(STUDY, SCENE, quantity)
+    for values in parts:
         assert np.isfinite(values).all()
         assert values.max() > 0.0
-        assert (found.root_sum_of_squares() >= values).all()
+        assert (uncertainty.root_sum_of_squares(parts) >= values).all()
     if quantity is uncertainty.QUANTITIES[0]:
         ref = STUDY.stored_reference(SCENE)
-        assert found.parts[uncertainty.GRID] == pytest.approx(100.0 * ref.uncertainty / ref.load[ref.load > 0.0].mean())
+        assert parts[0] == pytest.approx(100.0 * ref.uncertainty / ref.load[ref.load > 0.0].mean())
 
 
 def test_the_reference_itself_has_no_error_and_a_known_shift_is_found() -> None:
@@ -131,9 +135,10 @@ SPREAD = tuple(np.exp([-0.03, 0.0, 0.03]))
     ],
 )
 def test_bias_and_scatter_of_known_ratios(ratio, grid: float, within: float, bias: float, scatter: float) -> None:
-    row = uncertainty.ErrorWithUncertainty("s", "m", "q", 0.0, grid, 0.0, 0.0, grid, within, within, ratio, "")
-    (found,) = uncertainty.bias_and_scatter([row])
-    assert (found.bias, found.scatter) == pytest.approx((bias, scatter), abs=1e-9)
+    u_val = uncertainty.Uncertainty(discretisation=grid)
+    row = uncertainty.ErrorWithUncertainty("s", "m", "q", 0.0, u_val, within, within, ratio)
+    (found,) = bias_and_scatter([row])
+    assert (found["bias"], found["scatter"]) == pytest.approx((bias, scatter), abs=1e-9)
 
 
 def test_compared_scenes_are_inside_and_kept_places_are_theirs() -> None:
@@ -165,7 +170,7 @@ def test_solve_says_not_covered_where_a_scene_is_outside(change, name: str) -> N
         assert any(text.startswith(name) for text in beyond)
         assert form.loads is None
         assert any("outside the range of the compared scenes" in w or "unlike every compared" in w for w in form.words)
-        cells = [r for r in validated_range_table(changed).rows if r["where"] == "OUTSIDE"]
+        cells = [r for r in validated_range_table(changed).rows if r["place_in_range"] == "OUTSIDE"]
         assert len(cells) == len(beyond)
     else:
         assert beyond == ()

@@ -21,11 +21,14 @@ from tests.copies import ROOT
 import rollbench
 from rollbench.compare.errors import InputError, ProgramError
 from rollbench.compare.models import programs, user_models
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.errors import draw_geometry_with_errors, scene_with_drawn_errors
 from rollbench.meshes.helix import ball_layout, lead_per_radian
 from rollbench.meshes.parts import FourierTerm, SideErrors
+
+pytestmark = pytest.mark.slow
 
 EXAMPLE = ROOT / "docs/examples/mei_model"
 PROGRAMS = ROOT / "docs/examples/programs"

@@ -23,7 +23,7 @@ def loads(*columns: int) -> np.ndarray:
 
 def life_of(cases: list[np.ndarray], shares: list[float]) -> life.Life:
     """The screw's life under contact loads of several cases."""
-    return life.basic_rating_life(SCREW, life.damage_equivalent_contact_loads(cases, shares))
+    return life.basic_rating_life(SCREW, life.damage_equivalent_loads(cases, shares))
 
 
 def test_one_case_is_the_life_of_its_loads_to_the_last_digit() -> None:

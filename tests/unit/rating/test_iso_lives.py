@@ -12,7 +12,7 @@ from tests.axes import ROLLERS
 import rollbench
 from rollbench.lowfi import rollers
 from rollbench.lowfi.rating import iso_lives, roller_life
-from rollbench.lowfi.rating.life import basic_rating_life, dynamic_rating
+from rollbench.lowfi.rating.life import basic_rating_life, damage_equivalent_loads, dynamic_rating
 
 LEVEL = replace(ROLLERS, cup_angle=np.radians(15.0))
 #: f_c of ISO 281 (radial roller bearings) by gamma = D cos(alpha)/D_pw.
@@ -55,8 +55,8 @@ def life_of(line_loads, turning="inner"):
 
 def test_cases_alike_live_as_each_and_shares_count():
     q = np.full((ROLLERS.count, 5), 1e5)
-    alike = life_of(roller_life.damage_equivalent_line_loads([q, q], [0.3, 0.7]))
-    mixed = life_of(roller_life.damage_equivalent_line_loads([q, 0.0 * q], [0.5, 0.5]))
+    alike = life_of(damage_equivalent_loads([q, q], [0.3, 0.7], roller_life.TURNING))
+    mixed = life_of(damage_equivalent_loads([q, 0.0 * q], [0.5, 0.5], roller_life.TURNING))
     assert alike == pytest.approx(life_of(q))
     assert mixed / alike == pytest.approx(2.0, rel=1e-9), "means of order 4, life to the 4"
 
@@ -138,8 +138,7 @@ def test_few_slices_are_divided_and_a_profile_that_unloads_the_edges_makes_their
     bearing = rollers.tapered_bearing_of_row(ROW)
     lives = []
     for n in (40, 80, 160):
-        roller = rollers.slice_roller(bearing, n, rollers.circular_crown_profile(2.0))
-        q = rollers.sliced_roller_state_at_approach(roller, 8e-6).line_loads
+        q = rollers.TaperedRow(bearing, n, rollers.circular_crown_profile(2.0)).line_loads(8e-6 / np.sin(bearing.cup_angle))
         assert q[0] == q[-1] == 0.0
         lives.append(iso_lives.roller_reference_life(ROW, np.tile(q, (ROW.count, 1))).revolutions)
     assert np.ptp(lives) < 0.01 * lives[0]

@@ -8,7 +8,7 @@ from tests.axes import ROLLERS, assembly, fixed_axis, solved
 from tests.helpers import ALL_BUT_AXIAL
 from tests.shipped_texts import changed
 
-from rollbench.compare.models.registry import ModelOptions
+from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.results.rows import bearing_and_nut_rows
 from rollbench.compare.results.solving import solve_with_results
 from rollbench.lowfi.hertz import hertz_constants

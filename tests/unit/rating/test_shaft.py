@@ -13,7 +13,8 @@ from tests.axes import one_set
 from tests.shipped_texts import changed
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import catalogue, scene_tables
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.rating import catalogue_checks, iso_lives

@@ -9,7 +9,8 @@ from skfem import MeshHex
 from tests.reference_records import run_of
 
 from rollbench.compare.models import modelling
-from rollbench.compare.models.registry import DEFAULT, ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import DEFAULT, run_model
 from rollbench.compare.reference import levels
 from rollbench.compare.reference.store import save_run
 from rollbench.compare.scenes import catalogue

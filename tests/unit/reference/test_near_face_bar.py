@@ -110,5 +110,5 @@ def test_it_is_said_by_name() -> None:
     last = int(ball_layout(scene).z.argmax())
     assert place == f"ball {last + 1} SL"
     assert found.uncertainty[last, 0] > found.beside_face[last, 0] > 0.0
-    assert f"{largest:.2f} % at {place}" in uncertainty_of_loads(scene, found, inputs=False).uncertainty_text
+    assert f"{largest:.2f} % at {place}" in uncertainty_of_loads(scene, found, inputs=False).words
     assert largest_uncertainty_near_face(study.stored_reference("unseen-25x5")) == (0.0, "")

@@ -1,6 +1,8 @@
 """Shipped runs of the 3D reference: balance, the gate against them, rows, mesh study; one definition of error
 and error bar for all points of error and time; memory that runs need."""
 
+import json
+
 import numpy as np
 import pytest
 from tests.reference_records import run_of
@@ -17,7 +19,7 @@ from rollbench.compare.reference.tasks import ReferenceTask
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.sections.reference_time import errors_against_reference
 from rollbench.compare.studies.mesh_study import mesh_accuracy_sentence, mesh_study_table_of_scene
-from rollbench.compare.studies.run_times import load_run_times
+from rollbench.compare.studies.run_times import RUN_TIMES, ColdLevelTime
 from rollbench.lowfi.statics import equations, problem
 from rollbench.meshes.parts import SIDES
 from rollbench.meshes.section import BeamSection
@@ -178,7 +180,8 @@ def test_every_point_has_the_same_reference_and_its_bar() -> None:
 
 def test_memory_of_many_contacts_is_told_as_it_was_measured() -> None:
     """228 and 264 contacts on level 1 in two processes: at most a tenth more is told, and less than 3 GB."""
-    large = [c for c in load_run_times((store.shipped_store(),)).mesh_level_times if (c.contacts or 0) > 200]
+    levels = json.loads((store.shipped_store() / RUN_TIMES).read_text(encoding="utf-8"))["levels"]
+    large = [c for c in (ColdLevelTime(**row) for row in levels) if (c.contacts or 0) > 200]
     assert len(large) == 2
     for c in large:
         memory = expected_time_and_memory(ReferenceTask((catalogue.scene(c.scene),), c.level, processes=2)).memory_GB

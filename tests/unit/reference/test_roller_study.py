@@ -9,7 +9,7 @@ from rollbench.compare.errors import SceneNotCoveredError
 from rollbench.compare.reference.store import run_text_with_checksum, shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies import roller
-from rollbench.lowfi.rollers import SlicedTaperedRow, StraightTaperedRow, circular_crown_profile, tapered_bearing_of_row
+from rollbench.lowfi.rollers import TaperedRow, circular_crown_profile, tapered_bearing_of_row
 
 TAPER = "smith-axis-taper"
 
@@ -38,12 +38,12 @@ def test_low_order_laws_are_those_of_the_statics(kind):
     tilt = sin(bearing.cup_angle)
     thrust = load * bearing.rollers * tilt
     low, up, down = (roller.approach_and_stiffness_by_laws(kind.roller_row, load * s) for s in (1.0, 1.001, 0.999))
-    assert low.approach == pytest.approx(StraightTaperedRow(bearing).deflection(thrust) * tilt, rel=1e-9)
+    assert low.approach == pytest.approx(TaperedRow(bearing).deflection(thrust) * tilt, rel=1e-9)
     for approach, stiffness in (("approach", "stiffness"), ("norm_approach", "norm_stiffness")):
         slope = 0.002 * load / (getattr(up, approach) - getattr(down, approach))
         assert getattr(low, stiffness) == pytest.approx(slope, rel=1e-5)
     crowned = replace(kind.roller_row, crown=2.0)
-    sliced = SlicedTaperedRow(bearing, crowned.slices, circular_crown_profile(2.0)).deflection(thrust) * tilt
+    sliced = TaperedRow(bearing, crowned.slices, circular_crown_profile(2.0)).deflection(thrust) * tilt
     assert roller.approach_and_stiffness_by_laws(crowned, load).approach == pytest.approx(sliced, rel=1e-9)
 
 

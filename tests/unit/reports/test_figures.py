@@ -12,7 +12,7 @@ from tests.report_samples import figure
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.sections.sketches import sketch_scene
 from rollbench.reports import figures, pages
-from rollbench.reports.content import Panel, Series, Sketch
+from rollbench.reports.content import Panel, PressureMap, PressurePanel, Series, Sketch
 from rollbench.reports.sketch import FORCE, INK, WIDTH, draw_sketch
 
 pytestmark = pytest.mark.xdist_group("a figure")
@@ -163,3 +163,15 @@ def test_panels_on_a_phone_keep_their_height_above_one_legend_of_all():
     assert [text.get_text() for text in legend.get_texts()] == [f"model {n}" for n in range(9)]
     assert [axes.get_legend() for axes in canvas.axes] == [None, None]
     assert all(axes.get_position().height * canvas.get_size_inches()[1] > 1.5 for axes in canvas.axes)
+
+
+def test_a_long_text_above_a_pressure_map_leaves_the_panel_its_width():
+    """Counted in the layout, it took the width of the panel, and all of it on a phone."""
+    x, y = (0.1 * axis.ravel() for axis in np.meshgrid(np.arange(-7.0, 8.0), np.arange(-3.0, 4.0)))
+    text = "366.3 N; largest 3029 MPa, peak pressure by Hertz 3000 MPa"
+    panel = PressurePanel("ball 32, SL", x, y, 3e3 - x**2, (0.0, 0.0, 0.5, 0.1), text)
+    svg = figures.draw_pressure_map(PressureMap("p", "P", [panel] * 2, "x", "y", "p / MPa", columns=1, width=3.75))
+    root = ElementTree.fromstring(svg)
+    width = max(float(image.get("width")) for image in root.iter(f"{SVG}image"))
+    assert width > 0.45 * float(root.get("width").removesuffix("pt"))
+    assert "366.3 N; largest 3029 MPa, peak" in words_of(svg)

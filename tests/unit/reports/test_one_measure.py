@@ -4,7 +4,6 @@ gate's in every section: no verdict on an error of the mean load."""
 import re
 
 import pytest
-from tests.rows import cells_by_key
 
 from rollbench.compare.cases.makers import page
 from rollbench.compare.gate.verdict import ErrorLimits, judge_contact_loads
@@ -30,8 +29,8 @@ def found():
 
 def cells(table, label, column):
     """What a table says of the model in the columns of a heading and unit."""
-    keys = [c.key for c in table.columns if (c.label, c.unit) == column]
-    of_model = [row for row in table.rows if label in (row.get("model"), row.get("name"), row.get("label"))]
+    keys = [key for key, head in table.heads.items() if (head.label, head.unit) == column]
+    of_model = [row for row in table.rows if label in (row.get("model"), row.get("model_or_level"), row.get("long_name"))]
     return [row[key] for row in of_model for key in keys]
 
 
@@ -67,7 +66,7 @@ def test_every_page_says_the_same_error_of_a_thin_nut(found, monkeypatch):
 
 def test_errors_of_loads_name_what_they_are_per_cent_of(found):
     for table in (load_error_table(STUDY, {NAME: found}), contacts_beyond_check_limit_table({NAME: found}, STUDY)):
-        units = {c.label: c.unit for c in table.columns if c.unit and re.search("error|uncertainty|rigid", c.label)}
+        units = {c.label: c.unit for c in table.heads.values() if c.unit and re.search("error|uncertainty|rigid", c.label)}
         assert units
         assert set(units.values()) <= {"% of mean load", "% of contact's load"}, table.name
 
@@ -82,8 +81,8 @@ def test_no_error_of_the_mean_load_has_a_limit_or_a_verdict() -> None:
     errors = fit.absolute_errors_by_model_and_quantity([lin])
     fits = {one.quantity_key: one for one in errors}
     for key in ("percent", "rms_percent"):
-        assert (fits[key].share_within_limit, cells_by_key(fits[key].table_row)["verdict"]) == (None, None)
-    assert (fits["gate_percent"].share_within_limit, cells_by_key(fits["gate_percent"].table_row)["verdict"]) == (0.0, "no")
+        assert (fits[key].share_within_limit, fits[key].table_row["accurate_enough"]) == (None, None)
+    assert (fits["gate_percent"].share_within_limit, fits["gate_percent"].table_row["accurate_enough"]) == (0.0, "no")
     assert "contact loads" in fit.sentences_on_accurate_quantities(errors).partition("lin is not accurate")[2]
 
 

@@ -3,6 +3,8 @@ back or refused."""
 
 import csv
 import math
+import subprocess
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from unittest.mock import Mock
@@ -11,8 +13,9 @@ import numpy as np
 import pytest
 from tests.report_samples import contents, figure, report, screw, table
 
-from rollbench.reports import cells, content, field3d, pages, scene3d
-from rollbench.reports.content import FieldPicture, Table, TableColumn
+from rollbench.meshes.cache import record_from_bytes, record_to_bytes
+from rollbench.reports import cells, field3d, pages, scene3d
+from rollbench.reports.content import FieldPicture, Picture, Table, TableColumn
 from rollbench.reports.pages import MARKER, SEARCH, table_template_data
 
 
@@ -81,8 +84,8 @@ class TestPage:
     @pytest.mark.parametrize(("rows", "folded"), [(12, False), (30, True)])
     def test_a_long_table_is_folded_with_all_its_rows_and_columns(self, tmp_path, rows, folded):
         keys = [*"abcdefghij", "verdict"]
-        columns, values = [TableColumn(k, k, format="s") for k in keys], [dict.fromkeys(keys, f"x{n}") for n in range(rows)]
-        pages.write_report(report(Table("t", "T", columns, values)), tmp_path / "out")
+        columns = {TableColumn(k, k, format="s"): [f"x{n}" for n in range(rows)] for k in keys}
+        pages.write_report(report(Table("t", "T", columns)), tmp_path / "out")
         text = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
         assert (text.count("<tr>"), text.count("<th ")) == (rows + 1, len(keys))
         assert ("<details" in text) is folded
@@ -103,6 +106,21 @@ class TestPage:
         assert "install libgl1 &amp; co" in (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
         assert "libgl1" in lines[1]
         assert not list((tmp_path / "out" / "figures").iterdir())
+
+    def test_a_drawn_picture_is_stored_and_written_as_it_is(self, tmp_path):
+        drawn = record_from_bytes(record_to_bytes(Picture("cube", "A cube", np.arange(9, dtype=np.uint8))))
+        pages.write_report(report(drawn), tmp_path / "out")
+        assert (tmp_path / "out" / "figures" / "cube.png").read_bytes() == bytes(range(9))
+        assert 'src="figures/cube.png"' in (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
+
+    def test_a_text_of_the_first_page_is_replaced_and_the_sums_agree(self, tmp_path):
+        page = pages.write_report(replace(report(), origin={"date": "today"}), tmp_path / "out")
+        before = page.read_text(encoding="utf-8")
+        pages.replace_in_first_page(page, "<unknown>", "known & checked", {"date": "tomorrow"})
+        assert page.read_text(encoding="utf-8") == before.replace("&lt;unknown&gt;", "known &amp; checked") != before
+        done = subprocess.run(["sha256sum", "-c", "SHA256SUMS"], cwd=page.parent, capture_output=True, check=False)
+        assert done.returncode == 0
+        assert "tomorrow" in (page.parent / "manifest.json").read_text(encoding="utf-8")
 
     def test_same_report_same_bytes(self, tmp_path, written):
         pages.write_report(report(), tmp_path / "b")
@@ -211,25 +229,23 @@ class TestCells:
 
 
 def test_two_columns_of_one_heading_are_refused():
-    columns = (content.TableColumn("a", "interval", "N", "s"), content.TableColumn("b", "interval", "um", "s"))
-    content.Table("t", "intervals of two units", columns, [])
+    columns = {TableColumn("a", "interval", "N", "s"): [], TableColumn("b", "interval", "um", "s"): []}
+    Table("t", "intervals of two units", columns)
     with pytest.raises(ValueError, match="'interval'"):
-        content.Table("t", "intervals", (*columns, content.TableColumn("c", "interval", "um", "s")), [])
+        Table("t", "intervals", columns | {TableColumn("c", "interval", "um", "s"): []})
 
 
 def test_a_column_for_the_csv_file_only_is_in_it_and_not_on_the_page(tmp_path):
     (tmp_path / "tables").mkdir()
     shown, apart = TableColumn("a", "first"), TableColumn("b", "second")
-    found = table_template_data(Table("t", "T", (shown, apart), [{"a": 1.0, "b": 2.0}], csv_only=["b"]), tmp_path)
+    found = table_template_data(Table("t", "T", {shown: [1.0], apart: [2.0]}, csv_only=[apart]), tmp_path)
     assert [column["label"] for column in found["columns"]] == ["first"]
     assert (tmp_path / "tables" / "t.csv").read_text(encoding="utf-8").split() == ["first,second", "1.0,2.0"]
     assert "second" in found["note"]
 
 
 def test_rows_for_the_csv_file_only_are_in_it_and_not_on_the_page(tmp_path):
-    table = Table(
-        "t", "T", (TableColumn("a", "first", format="s"),), [{"a": f"x{n}"} for n in range(30)], rows_csv_only=True
-    )
+    table = Table("t", "T", {TableColumn("a", "first", format="s"): [f"x{n}" for n in range(30)]}, rows_csv_only=True)
     pages.write_report(report(table), tmp_path / "out")
     text = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
     assert ("x7" in text, "<td" in text, "30 rows" in text, "tables/t.csv" in text) == (False, False, True, True)

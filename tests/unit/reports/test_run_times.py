@@ -1,38 +1,39 @@
-"""Run times that are kept: of one measuring run, written and read, taken in place of new processes, and never mixed."""
+"""Run times that are kept: written and read, taken in place of new processes, shown beside errors of their version only."""
 
+import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference import store
-from rollbench.compare.reference.store import MeasuringConditions, measuring_conditions, shipped_store
+from rollbench.compare.reference.store import UNMEASURED, MeasuringConditions, measuring_conditions, shipped_store
+from rollbench.compare.report import error_over_time, overview
 from rollbench.compare.sections import reference_time
 from rollbench.compare.studies import run_times as kept_times
+from rollbench.compare.studies import survey_models
 from rollbench.compare.studies.run_times import ColdLevelTime
+from rollbench.reports.content import Figure, Table, Text
 
-OLD, OTHER = MeasuringConditions("0.7.0", "", "a machine"), MeasuringConditions("0.9.0", "abc", "a machine")
 KEPT = kept_times.StoredRunTimes(
-    OLD,
+    measuring_conditions(),
     "2026-01-02",
     {("lin-case1", "lin"): kept_times.RunTime(0.4, 1e-3, 99.0), ("lin-case1", "mei"): kept_times.RunTime(0.3, 2e-3, None)},
     (ColdLevelTime(4, 60.0, 118.0, None, "converged", "lin-case1", 64, 0.9),),
 )
+OLD = replace(KEPT, measuring_conditions=MeasuringConditions("0.7.0", "", "a machine"))
 
 
 def quiet(_):
     """A step that says nothing."""
 
 
-def study_of(kept, **options):
-    """A study whose measuring run is known."""
-    study = SceneResultCache(**options)
-    study.computed_values[reference_time.run_times_to_show, quiet] = kept
-    return study
-
-
-def points_of(study, name="lin-case1"):
-    return reference_time.error_and_time_points(name, study.stored_reference(name), study, quiet)
+def points_of(folder, kept):
+    """Errors and times of lin-case1 as a report finds them with measured times planted in its folder of runs."""
+    kept_times.save_run_times(folder, kept)
+    study = SceneResultCache((folder, shipped_store()))
+    return reference_time.error_and_time_points("lin-case1", study.stored_reference("lin-case1"), study, quiet)
 
 
 def test_what_is_saved_is_read_with_what_it_was_measured_with(tmp_path):
@@ -42,16 +43,39 @@ def test_what_is_saved_is_read_with_what_it_was_measured_with(tmp_path):
 
     (tmp_path / kept_times.RUN_TIMES).write_text('{"times": 3}')
     assert kept_times.load_run_times([tmp_path]) is None
-    now = measuring_conditions()
-    others = (now, OLD, replace(now, machine="another"), replace(now, sources="another"))
-    said = [str(replace(KEPT, measuring_conditions=of)).partition(KEPT.date)[2] for of in others]
-    assert said[0] == "."
-    assert len(set(said)) == len(said), "each says what differs"
 
 
-def test_a_ratio_compares_the_same_work():
-    (row,) = reference_time.run_time_ratio_table({"lin-case1": points_of(study_of(KEPT))}).rows
-    assert (row["cold"], row["warm"]) == pytest.approx((60.0 / 0.4, 0.9 / 1e-3))
+def test_a_planted_older_time_is_not_shown(tmp_path):
+    for source in ("", "lin", kept_times.TYPED):
+        kept_times.save_run_times(tmp_path, OLD, source)
+        assert kept_times.load_run_times([tmp_path], source) is None
+    costs = {"machine": "a machine", "date": "2026-01-02", "jobs": [], "ways": []}
+    for version, found in (("0.7.0", False), (measuring_conditions().version, True)):
+        (tmp_path / kept_times.SET_UP_COSTS).write_text(json.dumps(costs | {"version": version}))
+        assert (kept_times.load_set_up_costs([tmp_path]) is not None) == found
+
+    points = points_of(tmp_path, OLD)
+    assert all(p.cold is p.warm is None for p in points)
+
+    study = SceneResultCache((tmp_path, shipped_store()))
+    assert reference_time.run_time_conditions_sentence(study, quiet) == UNMEASURED
+    load = np.array(survey_models.stored_loads()[74]["load"])
+    loads = {name: ((1.0 + 0.01 * k) * load).tolist() for k, name in enumerate(survey_models.TIMED)}
+    runs = [survey_models.TimedRun(74, name, "converged", 2.0, 1.0, loads[name]) for name in loads]
+    for conditions, shown in ((OLD.measuring_conditions, False), (measuring_conditions(), True)):
+        survey_models.save_timed_runs(tmp_path, survey_models.StoredTimedRuns(conditions, OLD.date, runs))
+        found = error_over_time.measured_on_drawn_screws(study)
+        assert (len(found) == len(survey_models.TIMED)) == shown
+        assert (error_over_time.run_time_sentence(found) == UNMEASURED) != shown
+        assert len(overview.error_distribution_and_time_figure({}, found).panels) == 1 + shown
+        assert [type(item) for item in error_over_time.error_and_time_items(study)] == (
+            [Figure, Text, Table] if shown else [Text]
+        )
+
+
+def test_a_ratio_compares_the_same_work(tmp_path):
+    (row,) = reference_time.run_time_ratio_table({"lin-case1": points_of(tmp_path, KEPT)}).rows
+    assert (row["time_ratio_cold"], row["time_ratio_warm"]) == pytest.approx((60.0 / 0.4, 0.9 / 1e-3))
 
 
 def test_a_stored_run_says_what_its_seconds_were_measured_with_and_keeps_its_key(tmp_path):
@@ -64,17 +88,3 @@ def test_a_stored_run_says_what_its_seconds_were_measured_with_and_keeps_its_key
     path = store.save_run(tmp_path, scene, new)
     assert path.name == store.path_of_run(shipped_store(), scene, run).name
     assert store.read_run_file(path, scene, run.level, "").measured == now
-
-
-def test_the_report_refuses_a_mixture():
-    study = study_of(KEPT, quick=True)
-    study.computed_values[(reference_time.solve_refinement_sequence_on_all_scenes,)] = []
-    reference_time.errors_and_times_of_all_scenes(study, quiet)
-    mixed = [replace(p, measured=OTHER) if p.name == "mei" else p for p in points_of(study)]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(reference_time, "error_and_time_points", lambda *_: mixed)
-        with pytest.raises(ValueError, match="several measuring runs"):
-            reference_time.errors_and_times_of_all_scenes(study, quiet)
-    far = [replace(p, measured=OTHER) if p.kind == "level" else p for p in mixed]
-    with pytest.raises(ValueError, match="several measuring runs"):
-        reference_time.run_time_ratio_table({"lin-case1": far})

@@ -7,8 +7,8 @@ import pytest
 from tests.shipped_texts import axis_names, changed
 
 from rollbench.compare.cases.lin.evidence import source_cases
+from rollbench.compare.cases.lin.kinds.friction import SOLVERS
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.studies.friction.kinds import solve_friction_of_single_parts
 from rollbench.lowfi.friction import bearing
 from rollbench.lowfi.friction.bearing import SIDES, Bearing, solve_ball_by_lin_method, solve_ball_of_bearing
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
@@ -36,20 +36,21 @@ def loaded(name, *changes):
 
 def solved(name, *changes):
     """Answer to a shipped scene with some changes."""
-    return solve_friction_of_single_parts(loaded(name, *changes))
+    scene = loaded(name, *changes)
+    return SOLVERS[scene.kind](scene)
 
 
 def test_every_shipped_scene_converges_and_balances_power():
     for name in sorted(set(catalogue.scene_names()) - set(catalogue.names_of_single_nut_scenes()) - set(axis_names())):
         answer = solved(name)
-        assert answer.record.converged, name
-        assert abs(answer.record.as_json()["energy"]["balance_percent"]) < (0.2 if name.endswith("printed") else 1e-8), name
+        assert answer.converged, name
+        assert abs(answer.as_json()["energy"]["balance_percent"]) < (0.2 if name.endswith("printed") else 1e-8), name
 
 
 @pytest.mark.parametrize("case", list(U_Y))
 @pytest.mark.parametrize("printed", [False, True])
 def test_rotary_scenes_are_the_library_s(case, printed):
-    found = solved(f"lin-rotary-{case}{'-printed' * printed}").record.as_json()
+    found = solved(f"lin-rotary-{case}{'-printed' * printed}").as_json()
     case = ROTARY, 100.0, U_Y[case]
     one = solve_ball_by_lin_method(*case, lin_sigmoid_law(ROTARY, 100.0, 0.08)) if printed else solve_ball_of_bearing(*case)
     assert found["load_sum_N"] == pytest.approx(one.load.force.sum(), rel=1e-9)
@@ -65,14 +66,12 @@ def test_rotary_scenes_are_the_library_s(case, printed):
 def test_chain_scene_is_the_library_s_and_a_gap_cuts_it():
     scene = catalogue.scene_of_any_kind("lin-chain-10")
     np.testing.assert_allclose(np.degrees(scene.angles), [[43.0, 47.0, 45.0, 45.0]] * 10, rtol=1e-12)
-    found = solve_friction_of_single_parts(scene).record.as_json()
+    found = SOLVERS[scene.kind](scene).as_json()
     loads = np.array([[b["load_N"][c] for c in ("BL", "BR", "TR", "TL")] for b in found["balls"]])
     one = solve_motion_of_chain(prepare_linear_chain(LINEAR, scene.angles, loads))
     assert [p["force_N"] for p in found["pairs"]] == pytest.approx(one.ball_force[:-1], rel=1e-8)
     assert np.all(one.ball_force[:-1] > 0.0)
-    cut = solved(
-        "lin-chain-10", ("side_force_ratio = -0.6\n", 'side_force_ratio = -0.6\ngap = "0.5 mm"\n')
-    ).record.as_json()
+    cut = solved("lin-chain-10", ("side_force_ratio = -0.6\n", 'side_force_ratio = -0.6\ngap = "0.5 mm"\n')).as_json()
     assert cut["pairs"][0] == {"balls": "1-2", "gap_um": pytest.approx(500.0), "force_N": 0.0, "loss_mW": 0.0}
     assert cut["pairs"][1]["force_N"] > 0.0
 
@@ -83,34 +82,34 @@ def test_units_signs_and_either_way_to_give_the_groove():
     again = loaded("lin-rotary-2", ("conformity = 0.54", 'groove_radius = "6.75 mm"'), *units)
     one, other = ((x.bearing.screw_speed, x.bearing.groove_radius, x.force, x.displacement) for x in (base, again))
     assert other == pytest.approx(one, rel=1e-15)
-    forward, back = (solved("lin-rotary-2", x).record.as_json()["torque"] for x in (units[0], ('"10 rps"', '"-10 rps"')))
+    forward, back = (solved("lin-rotary-2", x).as_json()["torque"] for x in (units[0], ('"10 rps"', '"-10 rps"')))
     assert [back[k] for k in WAYS] == pytest.approx([forward[WAYS[0]], -forward[WAYS[1]]], rel=1e-9)
-    backwards = solved("lin-pair-a", ('"10 mm/s"', '"-0.01 m/s"'), ("-0.6", "0.6")).record.as_json()
+    backwards = solved("lin-pair-a", ('"10 mm/s"', '"-0.01 m/s"'), ("-0.6", "0.6")).as_json()
     assert backwards["pairs"][0]["force_N"] == pytest.approx(4.065, abs=5e-4)
 
 
 def test_oversize_is_the_opposite_of_a_clearance_and_adds_load_and_large_contacts_are_warned_of():
-    plain = solved("lin-rotary-3").record.as_json()
+    plain = solved("lin-rotary-3").as_json()
     assert not plain["warnings"]
-    assert "Hertz" in solved("lin-rotary-3", ('"100 N"', '"100 kN"')).record.as_json()["warnings"][0]
+    assert "Hertz" in solved("lin-rotary-3", ('"100 N"', '"100 kN"')).as_json()["warnings"][0]
     tight = loaded("lin-rotary-3", ("[load]", '[errors.balls]\noversize = "1 um"\n\n[load]'))
     assert tight.bearing.clearance == -1e-6
-    assert solve_friction_of_single_parts(tight).record.as_json()["load_sum_N"] > 1.05 * plain["load_sum_N"]
+    assert SOLVERS[tight.kind](tight).as_json()["load_sum_N"] > 1.05 * plain["load_sum_N"]
 
 
 def test_laws_approach_coulomb():
-    exact = solved("lin-rotary-2").record.as_json()["torque"]["friction_torque_Nmm"]
+    exact = solved("lin-rotary-2").as_json()["torque"]["friction_torque_Nmm"]
     coulomb, off = 'law = "coulomb"', []
     for creep in ("1 mm/s", "0.1 mm/s"):
         answer = solved("lin-rotary-2", (coulomb, f'law = "regularised"\ncreep = "{creep}"'))
-        assert answer.record.converged
-        assert abs(answer.record.as_json()["energy"]["balance_percent"]) < 1e-8
-        off.append(abs(answer.record.as_json()["torque"]["friction_torque_Nmm"] / exact - 1.0))
+        assert answer.converged
+        assert abs(answer.as_json()["energy"]["balance_percent"]) < 1e-8
+        off.append(abs(answer.as_json()["torque"]["friction_torque_Nmm"] / exact - 1.0))
     assert off[1] < 0.02 * off[0]
     assert off[0] < 1e-3
     soft = solved("lin-rotary-2", (coulomb, 'law = "sigmoid"\nsharpness = 1'))
-    assert soft.record.converged
-    assert soft.record.as_json()["torque"]["friction_torque_Nmm"] < 0.97 * exact
+    assert soft.converged
+    assert soft.as_json()["torque"]["friction_torque_Nmm"] < 0.97 * exact
 
 
 PAIRS = [(True, "balanced"), *((False, x) for x in ("balanced", "elastic", "diagonal"))]
@@ -118,7 +117,7 @@ PAIRS = [(True, "balanced"), *((False, x) for x in ("balanced", "elastic", "diag
 
 @pytest.mark.parametrize(("mated", "loads"), PAIRS)
 def test_pair_scenes_are_the_library_s(mated, loads):
-    found = solved("lin-pair-b" if mated else "lin-pair-a", ('"balanced"', f'"{loads}"')).record.as_json()
+    found = solved("lin-pair-b" if mated else "lin-pair-a", ('"balanced"', f'"{loads}"')).as_json()
     one = solve_pair_of_linear_balls(LINEAR, np.radians(2.0), -0.6, 100.0, mated=mated, loads=loads)
     numbers = found["pairs"][0]["force_N"], found["drive_N"]
     assert numbers == pytest.approx((one.ball_to_ball_force, carriage_drive_force(one.touching.wrench)), rel=1e-9, abs=1e-9)
@@ -130,12 +129,12 @@ def test_pair_scenes_are_the_library_s(mated, loads):
 
 def test_no_contact_and_nothing_moving_are_said():
     answer = solved("lin-rotary-1", ('axial_force = "100 N"', 'axial_force = "0 N"'))
-    assert (answer.record.converged, answer.record.as_json()["status"]) == (False, "no contact: nothing presses the ball")
+    assert (answer.converged, answer.as_json()["status"]) == (False, "no contact: nothing presses the ball")
     for name, old, new in (("lin-rotary-2", '"10 rps"', '"0 rps"'), ("lin-pair-a", '"10 mm/s"', '"0 mm/s"')):
         still = solved(name, (old, new))
-        energy = still.record.as_json()["energy"]
-        assert (still.record.converged, energy["loss_W"], energy["balance_percent"]) == (True, 0.0, None)
-    rolling = solved("lin-pair-a", ('"balanced"', '"elastic"'), ("-0.6", "-3.0")).record.as_json()
+        energy = still.as_json()["energy"]
+        assert (still.converged, energy["loss_W"], energy["balance_percent"]) == (True, 0.0, None)
+    rolling = solved("lin-pair-a", ('"balanced"', '"elastic"'), ("-0.6", "-3.0")).as_json()
     assert rolling["friction_increase_percent"] is None, "two contacts on a diagonal roll: no percentage of nothing"
 
 
@@ -145,24 +144,19 @@ FRICTIONLESS = ["lin-rotary-2", "lin-rotary-2-printed", "lin-pair-a", "lin-chain
 @pytest.mark.parametrize("name", FRICTIONLESS)
 def test_without_friction_nothing_is_lost_and_motion_is_that_of_a_vanishing_coefficient(name):
     rough, smooth = (solved(name, ("coefficient = 0.1", f"coefficient = {mu}")) for mu in ("1e-6", "0"))
-    assert smooth.record.converged
-    assert smooth.record.as_json()["energy"] == {
-        "input_power_W": 0.0,
-        "loss_W": 0.0,
-        "balance_W": 0.0,
-        "balance_percent": None,
-    }
-    for one, two in zip(rough.record.as_json()["balls"], smooth.record.as_json()["balls"], strict=True):
+    assert smooth.converged
+    assert smooth.as_json()["energy"] == {"input_power_W": 0.0, "loss_W": 0.0, "balance_W": 0.0, "balance_percent": None}
+    for one, two in zip(rough.as_json()["balls"], smooth.as_json()["balls"], strict=True):
         assert two["rotation_rad_s"] == pytest.approx(one["rotation_rad_s"], rel=1e-5, abs=1e-6)
         assert any(one["rotation_rad_s"])
-    assert all(pair["force_N"] == pair["loss_mW"] == 0.0 for pair in smooth.record.as_json().get("pairs", ()))
+    assert all(pair["force_N"] == pair["loss_mW"] == 0.0 for pair in smooth.as_json().get("pairs", ()))
     ratios = ("friction_increase_percent", "ball_to_ball_percent")
-    assert [smooth.record.as_json().get(k) for k in ratios] == [None, None], "no ratio of round-off"
+    assert [smooth.as_json().get(k) for k in ratios] == [None, None], "no ratio of round-off"
 
 
 @pytest.mark.parametrize("name", ["lin-screw-pair-a", "lin-screw-pair-b-inferred"])
 def test_answers_of_screw_pairs_are_the_library_s(name):
-    found, r = solved(name).record.as_json(), solve_pair_of_screw_balls(catalogue.scene_of_any_kind(name).pair)
+    found, r = solved(name).as_json(), solve_pair_of_screw_balls(catalogue.scene_of_any_kind(name).pair)
     percent = found["friction_increase_percent"], found["ball_to_ball_percent"]
     assert percent == pytest.approx(
         (100.0 * r.friction_increase, 100.0 * r.touching.motion.ball_loss.sum() / r.apart.motion.loss), rel=1e-8
@@ -180,7 +174,7 @@ def test_an_oversize_loads_a_four_point_bearing_and_rows_face_to_face_are_turned
     preload = loaded("lin-bearing-pairs", ('"0 um"', '"2 um"'))
     assert (preload.four_point.clearance, preload.double_row.clearance) == (-2e-6, 0.0)
     cases = preload.four_point, source_cases.four_point_bearing()
-    tight, free = (bearing.solve_bearing(case, 0.1).load.force.sum() for case in cases)
+    tight, free = (bearing.solve_bearing(case, 0.1).force.sum() for case in cases)
     assert tight > 1.01 * free
 
 
@@ -197,22 +191,22 @@ def test_pair_takes_pattern_direction_hand_and_hertz():
 
 def test_pair_of_a_still_screw_spends_nothing():
     answer = solved("lin-screw-pair-a-inferred", ('"1 rps"', '"0 rps"'))
-    assert answer.record.converged
+    assert answer.converged
     nothing = pytest.approx(0.0, abs=1e-15)
-    assert answer.record.as_json()["energy"] == {
+    assert answer.as_json()["energy"] == {
         "input_power_W": 0.0,
         "loss_W": nothing,
         "balance_W": nothing,
         "balance_percent": None,
     }
-    assert answer.record.as_json()["friction_increase_percent"] is None
+    assert answer.as_json()["friction_increase_percent"] is None
 
 
 def test_run_scene_is_the_library_s():
     answer = solved("lin-screw-run", *SHORT)
     r = simulate(source_cases.simulation_inputs(), 0.3, 40)
-    s, found, series = summarise_screw_run(r), answer.record.as_json()["summary"], answer.record.as_json()["series"]
-    assert answer.record.converged
+    s, found, series = summarise_screw_run(r), answer.as_json()["summary"], answer.as_json()["series"]
+    assert answer.converged
     assert found["largest_ball_to_groove_percent"] == pytest.approx(100.0 * s.largest_ball_to_groove_ratio, rel=1e-7)
     assert found["largest_at_deg"] == pytest.approx(s.nut_angle_of_largest_ratio)
     begins = np.degrees(r.nut_angle)[np.flatnonzero(r.presses_on_next.any(axis=1))[0]]
@@ -228,25 +222,25 @@ def test_a_run_takes_the_keys_of_a_whole_screw_in_time():
     chosen = ('duration = "2 s"\nsteps = 200', 'angle = "60 deg"\ngoal = 0.02')
     assert loaded("lin-screw-run", chosen).run.duration == pytest.approx(1.0 / 6.0)
     found = solved("lin-screw-run", chosen)
-    error = found.record.as_json()["run"]["step_error"]
-    assert (found.record.converged, error["small"], error["goal_percent"]) == (True, True, 2.0)
-    assert found.record.as_json()["steps"] == error["steps"][-1]
+    error = found.as_json()["run"]["step_error"]
+    assert (found.converged, error["small"], error["goal_percent"]) == (True, True, 2.0)
+    assert found.as_json()["steps"] == error["steps"][-1]
     found = solved("lin-screw-run", ("steps = 200", "steps = 4"))
-    assert not found.record.converged
-    assert found.record.as_json()["status"].startswith("not converged in the time step: the error of 4 steps is some ")
+    assert not found.converged
+    assert found.as_json()["status"].startswith("not converged in the time step: the error of 4 steps is some ")
 
 
 def test_run_without_contact_says_nothing_of_where_and_without_friction_there_are_no_ratios():
-    found = solved("lin-screw-run", *SHORT, ('"3 deg"', '"0 deg"')).record.as_json()["summary"]
+    found = solved("lin-screw-run", *SHORT, ('"3 deg"', '"0 deg"')).as_json()["summary"]
     assert found["largest_ball_to_groove_percent"] == 0.0
     assert [found[k] for k in ("largest_at_deg", "contact_begins_deg", "contact_ends_deg")] == [None] * 3
     run = solved("lin-screw-run", *SHORT, ("coefficient = 0.1", "coefficient = 0"))
-    energy, summary = run.record.as_json()["energy"], run.record.as_json()["summary"]
-    assert (run.record.converged, energy["loss_W"], energy["largest_step_balance_percent"]) == (True, 0.0, None)
+    energy, summary = run.as_json()["energy"], run.as_json()["summary"]
+    assert (run.converged, energy["loss_W"], energy["largest_step_balance_percent"]) == (True, 0.0, None)
     assert [summary[k] for k in ("largest_ball_to_groove_percent", "groove_variation_percent")] == [None] * 2
     bearings = solved("lin-bearing-pairs", *FEW, ("coefficient = 0.1", "coefficient = 0"))
-    assert (bearings.record.converged, bearings.record.as_json()["four_over_double"]) == (True, [None] * 4)
-    assert bearings.record.as_json()["four_point"]["largest_over_smallest"] is None
+    assert (bearings.converged, bearings.as_json()["four_over_double"]) == (True, [None] * 4)
+    assert bearings.as_json()["four_point"]["largest_over_smallest"] is None
 
 
 @pytest.mark.parametrize("angle", [0.3, 0.9])
@@ -264,10 +258,10 @@ def test_one_ball_holds_a_tilting_ring_only_against_a_force_through_its_centre(a
 @pytest.mark.parametrize("tilt", [True, False])
 def test_bearing_scene_is_the_library_s(tilt):
     answer = solved("lin-bearing-pairs", *FEW, ("tilt = true", f"tilt = {str(tilt).lower()}"))
-    found, angles = answer.record.as_json(), np.radians([0.0, 2.0, 16.0, 18.0])
-    assert answer.record.converged
+    found, angles = answer.as_json(), np.radians([0.0, 2.0, 16.0, 18.0])
+    assert answer.converged
     makers = {"four_point": source_cases.four_point_bearing, "double_row": source_cases.double_row_bearing}
-    curves = {name: bearing.bearing_torque_over_force_angles(make(tilt=tilt), angles) for name, make in makers.items()}
+    curves = {name: bearing.solve_bearing(make(tilt=tilt), angles) for name, make in makers.items()}
     for name, curve in curves.items():
         assert found[name]["friction_torque_Nmm"] == pytest.approx(1e3 * curve.torque, rel=1e-7)
         assert found[name]["balls_beyond_two_contacts"] == curve.balls_beyond_two_contacts.tolist()

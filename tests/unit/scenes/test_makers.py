@@ -11,6 +11,8 @@ from rollbench.compare.scenes.catalogue_part import scene_text_of_bearings, scen
 from rollbench.lowfi.rating.contacts import dynamic_and_static_ratings
 from rollbench.meshes.axis import Assembly
 
+pytestmark = pytest.mark.slow
+
 
 def scene(name: str, kind: str = ""):
     return scene_file.parse_scene(scene_text_of_catalogue_part(name, kind), "my.toml")

@@ -9,10 +9,11 @@ from dataclasses import replace
 import pytest
 from tests.shipped_texts import axis_names
 
+from rollbench.compare import case
 from rollbench.compare.errors import SceneError
 from rollbench.compare.reference.store import content_key_of_run
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.scenes.duty_cycle import KINDS as FRICTION_ONLY
+from rollbench.compare.scenes.kinds import friction_scene_kinds
 from rollbench.compare.scenes.template import commented_template
 
 
@@ -33,7 +34,7 @@ def test_a_whole_scene_may_name_its_kind():
 
 def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
     names = set(catalogue.scene_names()) - set(catalogue.names_of_single_nut_scenes()) - set(axis_names())
-    assert {scene_file.kind_of_scene(catalogue.shipped_scene(name)) for name in names} == set(FRICTION_ONLY)
+    assert {scene_file.kind_of_scene(catalogue.shipped_scene(name)) for name in names} == set(friction_scene_kinds())
     assert catalogue.shipped_scene("lin-pair-a") is catalogue.shipped_scene("lin-pair-a"), "each is read once"
     with pytest.raises(SceneError, match=r'"linear pair"; allowed: "ball screw", "bearing"; .*rollbench friction'):
         catalogue.scene("lin-pair-a")
@@ -42,6 +43,16 @@ def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
     with pytest.raises(SceneError, match="rollbench friction"):
         scene_file.read_scene_file(path)
     assert scene_file.kind_of_scene(catalogue.scene_of_any_kind(str(path))) == "linear pair"
+
+
+def test_without_the_case_that_brings_a_kind_its_scenes_are_of_an_unknown_kind(monkeypatch):
+    monkeypatch.setattr(case, "all_cases", lambda: ())
+    case.brought_by_cases.cache_clear()
+    try:
+        with pytest.raises(SceneError, match='got "linear pair"; allowed: "ball screw", "bearing"; '):
+            scene_file.parse_scene(catalogue.shipped_scene_text("lin-pair-a"), "a.toml")
+    finally:
+        case.brought_by_cases.cache_clear()
 
 
 def test_conformity_part_of_a_material_and_starts():

@@ -9,10 +9,8 @@ import pytest
 from rollbench.compare import files
 from rollbench.compare.errors import InputError
 from rollbench.compare.scenes import catalogue, duty_cycle, scene_file
-from rollbench.compare.scenes.duty_cycle import KINDS as FRICTION_ONLY
-from rollbench.compare.scenes.friction_kinds.table import TABLE as KINDS
-from rollbench.compare.scenes.friction_kinds.table import scene_json_schema
 from rollbench.compare.scenes.keys import reader_of_tables, scene_schema_of_kind
+from rollbench.compare.scenes.kinds import friction_scene_kinds, scene_json_schema
 from rollbench.compare.scenes.schema import SceneKeys
 from rollbench.compare.scenes.template import commented_template
 
@@ -30,13 +28,13 @@ def test_template_loads_as_case_1_and_that_of_an_unknown_kind_is_refused():
         assert getattr(scene, part) == getattr(case, part)
 
 
-@pytest.mark.parametrize("kind", [*duty_cycle.WHOLE, *FRICTION_ONLY])
+@pytest.mark.parametrize("kind", [*duty_cycle.WHOLE, *friction_scene_kinds()])
 def test_template_of_every_kind_is_of_that_kind_and_names_every_key(kind):
     text = commented_template(kind.replace(" ", "-"))
     scene = scene_file.parse_scene(text, "my.toml")
     assert (scene_file.kind_of_scene(scene), scene.name) == (kind, "my")
     assert f'kind = "{kind}"' in text
-    keys = SceneKeys if kind in duty_cycle.WHOLE else KINDS[kind].key_class
+    keys = SceneKeys if kind in duty_cycle.WHOLE else friction_scene_kinds()[kind].key_class
     words = set(re.findall(r"\w+", text))
     assert set(scene_schema_of_kind(keys)["properties"]) - {"circulation"} <= words
     if kind != "bearing":

@@ -12,7 +12,8 @@ import pytest
 from scipy.optimize import brentq
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved, with_ingredients
 
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.contacts import hertz_with_errors
 from rollbench.lowfi.statics.static import solve_static

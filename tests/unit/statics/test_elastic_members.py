@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from rollbench.compare.models.loading import with_scaled_loads
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.rating.displacement import motion_at

@@ -8,7 +8,8 @@ import pytest
 
 from rollbench.compare.cases.liu import evidence
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.registry import MODELS, ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.as_source.liu.model import nut_as_spring_row, solve_liu

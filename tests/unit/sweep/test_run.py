@@ -17,7 +17,8 @@ from tests.processes import python
 from rollbench.compare.commands.sweep import solve_and_report_sweep
 from rollbench.compare.errors import InputError
 from rollbench.compare.models import many
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.results.solving import solve_shaft, solve_with_results
 from rollbench.compare.scenes import catalogue, scene_file
@@ -39,7 +40,7 @@ from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.models import many
 from rollbench.compare.studies.sweep import run as sweeping
 folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
-sweeping.LARGEST_BATCH, sweeping.BATCHES = 4, 1  # workers are in the midst of theirs when their run is killed
+sweeping.LARGEST_BATCH = 4  # workers are in the midst of theirs when their run is killed
 what = sweeping.sweep_definition({scene!r}, {vary!r}, {samples}, "lhs", 1, "lin")
 random.seed(5)
 def lines():
@@ -75,7 +76,7 @@ def run(folder, samples=40, seed=1):
 
 def sample_of(name, *wanted):
     """The outputs of a shipped scene as it is."""
-    return sample.solve_sample(sample.VariedScene(*sample.read_scene_text_and_origin(name), ()), (), "lin", *wanted)
+    return sample.solve_samples(sample.VariedScene(*sample.read_scene_text_and_origin(name), ()), [()], "lin", *wanted)[0]
 
 
 def solution_of(name):
@@ -102,7 +103,9 @@ def killed(folder, kills, workers, samples):
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory):
     """Records of a sweep of 200 samples that nobody kills."""
-    found, _ = run(tmp_path_factory.mktemp("undisturbed") / "a", 200)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sweeping, "LARGEST_BATCH", 4)  # as in `KILLS`
+        found, _ = run(tmp_path_factory.mktemp("undisturbed") / "a", 200)
     assert all(record["status"] == "converged" for record in found.values())
     return found
 
@@ -119,7 +122,7 @@ def test_a_killed_sweep_loses_and_repeats_nothing(kills, workers, tmp_path, undi
 def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_path, monkeypatch):
     first, _ = run(tmp_path / "a")
     with monkeypatch.context() as patch:
-        patch.setattr(sample, "solve_sample", None)
+        patch.setattr(sample, "solve_samples", None)
         again, said = run(tmp_path / "a")
     assert (again, "40 stored" in said[0]) == (first, True)
     (path,) = (tmp_path / "a" / "records").glob("*.lines")
@@ -222,7 +225,7 @@ def test_what_the_scene_or_the_program_does_not_have_is_refused_before_anything_
 def test_a_sample_is_the_solution_of_its_scene():
     vary = ["loads[0].force[2]=1 kN:5 kN", "errors.balls.oversize=0 um:9 um"]
     sweep = sweep_definition("lin-case3", vary, 6, "lhs", 0, "lin")
-    found = sample.solve_sample(sweep, ["3.0 kN", "5.0 um"], "lin")
+    (found,) = sample.solve_samples(sweep, [["3.0 kN", "5.0 um"]], "lin")
     text = sweep.text.replace("5 kN", "3 kN").replace("7 um", "5 um")
     result = run_model(scene_file.scene_from_text(text, "x.toml"), "lin", QUIET)
     assert found["largest_load_N"] == pytest.approx(result.load.max(), rel=1e-12)
@@ -264,7 +267,7 @@ def test_outputs_that_are_not_asked_for_are_not_computed(tmp_path, monkeypatch):
 def test_growth_is_each_sets_largest_load_over_that_of_the_first_case():
     wanted = ["largest_growth", "least_growth"]
     text = catalogue.shipped_scene_text("double-nut") + case("a", share=0.5) + case("b", "5 kN", share=0.5)
-    found = sample.solve_sample(sample.VariedScene(text, "my.toml", ()), (), "lin", wanted)
+    (found,) = sample.solve_samples(sample.VariedScene(text, "my.toml", ()), [()], "lin", wanted)
     scene = catalogue.scene_of_any_kind("double-nut")
     low, high = (
         [s.loads.max() for s in run_model(replace(scene, loads=(Load(0.0, (0.0, 0.0, f)),)), "lin", ModelOptions()).sets]

@@ -11,13 +11,19 @@ from rollbench.compare.cases.external import page
 from rollbench.compare.cases.external.evidence import scene_name_of_catalogue_size
 from rollbench.compare.evidence import PrintedEntryComparison
 from rollbench.compare.measure import load_error, mean_load
-from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.model import ModelOptions
+from rollbench.compare.models.registry import run_model
 from rollbench.compare.models.study import SceneResultCache
-from rollbench.compare.models.uncertainty import BiasAndScatter, ErrorWithUncertainty
+from rollbench.compare.models.uncertainty import ErrorWithUncertainty, Uncertainty
 from rollbench.compare.reference import estimate
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sections.u_val import bias_and_scatter_figure, bias_and_scatter_table, errors_with_u_val_table
+from rollbench.compare.sections.u_val import (
+    bias_and_scatter,
+    bias_and_scatter_figure,
+    bias_and_scatter_table,
+    errors_with_u_val_table,
+)
 from rollbench.hifi.condensation import points_clamped_by_bolts
 from rollbench.lowfi.rating.rigidity import approach_per_displacement
 from rollbench.meshes.solid import dimensions_of_3d_parts
@@ -43,9 +49,9 @@ def test_a_model_with_a_rigid_nut_sees_no_difference(monkeypatch: pytest.MonkeyP
     section = page.fixation_section(SceneResultCache(), lambda _: None)
     (table,) = (item for item in section.items if isinstance(item, Table))
     assert "load by +0.0 to +0.0 %" in section.conclusion
-    by_model = [row for row in table.rows if row["by"] == "lin"]
+    by_model = [row for row in table.rows if row["model_or_level"] == "lin"]
     assert [row["rigidity_change"] for row in by_model] == 7 * [0.0]
-    assert table.rows[0]["share"] == pytest.approx(0.62, abs=0.06)
+    assert table.columns["catalogue_share"][0] == pytest.approx(0.62, abs=0.06)
 
 
 def stored_ways() -> list[dict[str, Any]]:
@@ -66,10 +72,10 @@ def fixation_rows(monkeypatch: pytest.MonkeyPatch, stored: list[dict[str, Any]])
 
 def test_rows_and_words_of_3d_are_those_of_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
     rows = fixation_rows(monkeypatch, stored_ways())
-    left, whole, bolts = (row for row in rows if row["by"] == "3D, level 1")
-    assert [row["held"] for row in (left, whole, bolts)] == ["left face", page.WHOLE, page.BOLTED]
-    assert whole["largest"] == 60.0
-    assert whole["rigidity"] == pytest.approx(400.0)
+    left, whole, bolts = (row for row in rows if row["model_or_level"] == "3D, level 1")
+    assert [row["fixed_surface"] for row in (left, whole, bolts)] == ["left face", page.WHOLE, page.BOLTED]
+    assert whole["largest_load_g4"] == 60.0
+    assert whole["axial_rigidity"] == pytest.approx(400.0)
     assert (bolts["load_change"], bolts["rigidity_change"]) == (100.0, -50.0)
     said = page.flange_bolts_sentence()
     assert [number in said for number in ("+150.00 %", " 150.00 %", "106.07 % RMS", "-50.00 %")] == 4 * [True]
@@ -84,7 +90,11 @@ def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.Mon
     whole |= {"rigidity": 1.02 * whole["rigidity"], "load": loads}
     stored = [*stored_ways(), *finer]
     rows = fixation_rows(monkeypatch, stored)
-    bars = {(row["by"], row["held"]): row["mesh"] for row in rows if row["mesh"] is not None}
+    bars = {
+        (row["model_or_level"], row["fixed_surface"]): row["mesh_uncertainty"]
+        for row in rows
+        if row["mesh_uncertainty"] is not None
+    }
     known = estimate.read_uncertainty_of_other_scenes(shipped_store())
     assert bars["3D, level 1", page.WHOLE] == pytest.approx(known.single[0] + 1.0)  # 0.4 N of a mean of 40 N
     both = {x["level"]: page.loads_of_stored_result(x) for x in stored if x["held"] == page.WHOLE}
@@ -99,7 +109,7 @@ def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.Mon
 def test_a_level_without_the_left_face_has_no_rows(monkeypatch: pytest.MonkeyPatch) -> None:
     """Changes of a level are over its own left face."""
     rows = fixation_rows(monkeypatch, [x for x in stored_ways() if x["held"] != "left face"])
-    assert {row["by"] for row in rows} == {"lin"}
+    assert {row["model_or_level"] for row in rows} == {"lin"}
     assert page.mesh_uncertainty_sentence(rows) == "Nothing was solved in 3D."
 
 
@@ -164,25 +174,27 @@ def test_summary_counts_what_comes_out():
 def test_what_was_inferred_is_listed():
     study = SceneResultCache()
     study.record_used_scenes(("external-masta-radial", "external-thk-bnf-4010-5"))
-    cases = {row["case"] for row in page.assumptions_table(study).rows}
+    cases = set(page.assumptions_table(study).columns["example"])
     assert {"external-masta-radial", "external-thk-bnf-4010-5", "external-gmn", "external-snfa"} <= cases
 
 
 def test_catalogue_over_the_three_rigidities():
-    rigidities = {"contacts": 1000.0, "bodies": 900.0, "unequal": 800.0, "printed": 600.0}
-    (row,) = page.nut_rigidities_table(SceneResultCache(reference_folders=()), [("a", 5000.0, rigidities)], ()).rows
-    shares = [row[f"share_{key}"] for key in ("contacts", "bodies", "unequal")]
+    rigidities = {"contacts": 1000.0, "bodies": 900.0, "unequal_loads": 800.0}
+    stages = {f"rigidity_of_{key}": value for key, value in rigidities.items()} | {"rigidity_catalogue": 600.0}
+    (row,) = page.nut_rigidities_table(SceneResultCache(reference_folders=()), [("a", 5000.0, stages)], ()).rows
+    shares = [row[f"catalogue_share_of_{key}"] for key in rigidities]
     assert np.allclose(shares, [0.6, 2.0 / 3.0, 0.75])
 
 
 def test_u_val_says_what_an_error_is_worth_and_bias_and_scatter_are_drawn():
-    small = ErrorWithUncertainty("s", "refined", "contact loads", 0.5, 0.1, 0.3, 1.0, 1.05, 1.0, 0.8, (1.0,), "lin-case1")
-    large = ErrorWithUncertainty("s", "lin", "contact loads", -6.0, 0.1, 0.3, 1.0, 1.05, 0.5, 0.2, (0.9,), "lin-case1")
-    says = [row["says"] for row in errors_with_u_val_table([small, large]).rows]
+    u_val = Uncertainty(discretisation=0.1, choices=0.3, inputs=1.0)
+    small = ErrorWithUncertainty("s", "refined", "contact loads", 0.5, u_val, 1.0, 0.8, (1.0,))
+    large = ErrorWithUncertainty("s", "lin", "contact loads", -6.0, u_val, 0.5, 0.2, (0.9,))
+    says = errors_with_u_val_table([small, large]).columns["error_beyond_u_val"]
     assert says == [
         "model error within u_val: not distinguishable from zero",
         "the model is in error, by model error ± u_val",
     ]
-    found = [BiasAndScatter("lin", "contact loads", 15, 900, 0.3, 2.9, 0.8, 0.5)]
-    assert bias_and_scatter_table(found).rows[0]["within_own"] == 50.0
-    assert "<svg" in draw_figure(bias_and_scatter_figure(found))
+    table = bias_and_scatter_table(bias_and_scatter([small, large]))
+    assert table.columns["share_within_own"] == [80.0, 20.0]
+    assert "<svg" in draw_figure(bias_and_scatter_figure(table))

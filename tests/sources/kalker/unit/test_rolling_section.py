@@ -59,19 +59,24 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
         monkeypatch.setattr(rolling, name, lambda *_, found=found, **__: found)
     section = rolling.make_section(SceneResultCache(), lambda _: None)
     tables = {item.name: item for item in section.items if hasattr(item, "rows")}
-    assert tables["rolling-verification"].rows[0]["verdict"] == "reached"
+    assert tables["rolling-verification"].columns["exact_reached"][0] == "reached"
     forces = {row["scene"]: row for row in tables["rolling-pairs"].rows if row["quantity"] == "force 1-2"}
     pair = forces["lin-pair-a"]
-    assert (pair["printed"], pair["ansys"], forces["lin-screw-pair-b"]["ansys"], pair["state"]) == (4.01, 3.96, 2.71, None)
-    assert abs(pair["error"]) < 2.0
+    assert (pair["lin_low_order"], pair["lin_ansys"], forces["lin-screw-pair-b"]["lin_ansys"], pair["load_assumption"]) == (
+        4.01,
+        3.96,
+        2.71,
+        None,
+    )
+    assert abs(pair["low_order_error"]) < 2.0
 
     words = " ".join(line for item in section.items if isinstance(item, Text) for line in item.paragraphs)
     assert [share in words for share in ("to 10 %", "1.5 %", "0.05 %", "0.02 %")] == 4 * [True]
-    assert [row["verdict"] for row in tables["rolling-choices"].rows] == ["beyond", "within"]
+    assert tables["rolling-choices"].columns["change_within_uncertainty"] == ["beyond", "within"]
     finite = {row["scene"]: row for row in tables["rolling-bodies"].rows if row["quantity"] in ("force 1-2", "torque")}
-    assert finite["lin-pair-a"]["change"] == pytest.approx(-0.21, abs=0.03)
-    assert finite["lin-pair-b"]["change"] is None  # of nothing
-    assert all(abs(row["change"] or 0.0) < 0.25 for row in finite.values())
+    assert finite["lin-pair-a"]["change_by_finite_bodies"] == pytest.approx(-0.21, abs=0.03)
+    assert finite["lin-pair-b"]["change_by_finite_bodies"] is None  # of nothing
+    assert all(abs(row["change_by_finite_bodies"] or 0.0) < 0.25 for row in finite.values())
     maps = {item.name: item for item in section.items if isinstance(item, PressureMap)}
     assert "sticks" in draw_pressure_map(maps["rolling-traction"])
     assert max(maps["rolling-slip"].panels[0].values) == 1.0

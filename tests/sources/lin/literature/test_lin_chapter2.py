@@ -49,32 +49,36 @@ def test_about_1_34_is_said_of_both_models():
 
 def test_case_3_is_answered_as_the_text_holds_its_end_and_the_other_reading_stands_beside_it():
     rows = list(tables.case_study_load_and_error_rows(STUDY))
-    cases = {(row["case"], row["scene"]) for row in map(named, rows)}
+    cases = {(row["case_study"], row["scene"]) for row in rows}
     answered = {("3", "lin-case3-offset-ux"), ("3 without offset", "lin-case3-ux")}
     beside = {(f"{case}, other reading: ux and uy held", f"{scene.removesuffix('-ux')}") for case, scene in answered}
     assert cases == {("1", "lin-case1"), ("2", "lin-case2")} | answered | beside
-    by_model = {(row["scene"], row["model"]): row for row in map(named, rows)}
-    largest, rms = (by_model["lin-case1", "mei"][key] for key in ("own_max", "own_rms"))
+    by_model = {(row["scene"], row["model"]): row for row in rows}
+    largest, rms = (by_model["lin-case1", "mei"][key] for key in ("largest_load_error_own", "rms_error_own"))
     assert (largest, rms) == pytest.approx((23.70, 10.67), abs=0.02)
-    assert by_model["lin-case3-offset-ux", "refined"]["own_max"] == pytest.approx(1.11, abs=0.05)
-    assert by_model["lin-case3-offset-ux", "lin"]["own_max"] == pytest.approx(18.6, abs=0.2)
+    assert by_model["lin-case3-offset-ux", "refined"]["largest_load_error_own"] == pytest.approx(1.11, abs=0.05)
+    assert by_model["lin-case3-offset-ux", "lin"]["largest_load_error_own"] == pytest.approx(18.6, abs=0.2)
 
 
-def named(row):
-    """Cells of a row by the keys of its columns."""
-    return {getattr(column, "key", column): cell for column, cell in row.items()}
+def test_the_page_begins_with_a_line_for_each_case_study():
+    answer = tables.case_study_answer_table(STUDY)
+    assert answer.columns["case_study"] == ["1", "2", "3", "3 without offset"]
+    assert answer.columns["printed_load_error"] == [5.38, 4.85, None, None]
+    assert answer.columns["printed_seconds"] == [3.87, 3.97, 3.93, None]
+    assert answer.columns["largest_load_error_own"] == pytest.approx([7.26, 7.21, 18.6, 15.1], abs=0.05)
+    assert "up to 7.26 and 7.21 % of a contact's load in cases 1 and 2" in tables.case_study_answer_sentence(answer)
 
 
 def test_readings_of_case_3_stand_beside_each_other_with_what_they_change():
     """Holding uy as well as ux, as a bearing does and the text does not say, moves loads by 7.5 to 8.4 % of the mean."""
     rows = {row["scene"]: row for row in chapter_2.end_support_table(STUDY).rows}
     stated = ["lin-case3-ux", "lin-case3-offset-ux"]
-    assert [name for name, row in rows.items() if row["text"] == "yes"] == list(rows)[:2] == stated
-    assert [rows[name]["lin_change"] for name in stated] == [0.0, 0.0]
+    assert [name for name, row in rows.items() if row["stated_by_lin"] == "yes"] == list(rows)[:2] == stated
+    assert [rows[name]["change_by_support", "Lin's model"] for name in stated] == [0.0, 0.0]
     for name, change in (("lin-case3", 7.41), ("lin-case3-offset", 8.40)):
-        assert rows[name]["lin_change"] == pytest.approx(change, abs=0.04)
-    assert all(rows[name]["reference"] == "level 4" for name in (*stated, "lin-case3", "lin-case3-offset"))
+        assert rows[name]["change_by_support", "Lin's model"] == pytest.approx(change, abs=0.04)
+    assert all(rows[name]["finest_level"] == "level 4" for name in (*stated, "lin-case3", "lin-case3-offset"))
     assert set(rows) <= set(CASES)
-    assert rows.keys() <= {row["case"] for row in chapter_2.largest_and_smallest_loads_table(STUDY).rows}
-    columns = " ".join(chapter_2.contact_loads_table(STUDY).rows[0])
-    assert all(f"{name.removeprefix('lin-')}-SL" in columns for name in rows)
+    assert rows.keys() <= set(chapter_2.largest_and_smallest_loads_table(STUDY).columns["scene"])
+    heads = [head.label for head in chapter_2.contact_loads_table(STUDY).heads.values()]
+    assert "case 3, right end offset, end held laterally in x only: contact load, screw left flank" in heads

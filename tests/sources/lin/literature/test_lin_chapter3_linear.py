@@ -28,8 +28,7 @@ def test_open_numbers_are_only_shown() -> None:
 
 def test_claim_increase_grows() -> None:
     """lin-3.3:worst_increase, with the force: along theta and along rho, where balls touch."""
-    m = ball_force_and_loss_over_grid()
-    ratio, force = m.groove_and_ball_loss_ratio.numerical, m.force.numerical
+    _, force, ratio = ball_force_and_loss_over_grid()[0]
     touching = ratio[4:, 2::-1]  # theta = 1, 2, 3 degrees; rho = -0.2, -0.4, -0.6
     for field in (touching, force[4:, 2::-1]):
         assert np.all(np.diff(field, axis=0) > 0.0)
@@ -40,10 +39,9 @@ def test_claim_increase_grows() -> None:
 
 def test_claim_models_agree_away_from_the_corners() -> None:
     """lin-3.3:maps_agree: within a tenth of the largest value for half the range, a good deal more at the corners."""
-    m = ball_force_and_loss_over_grid()
+    numerical, formula = ball_force_and_loss_over_grid()
     inner = (slice(2, 5), slice(2, 5))
-    for both, base in [(m.velocity_deviation_difference, 0.0), (m.force, 0.0), (m.groove_and_ball_loss_ratio, 1.0)]:
-        ours, error = both.numerical - base, both.error
+    for ours, error in zip(numerical - np.array([0.0, 0.0, 1.0])[:, None, None], formula - numerical, strict=True):
         assert np.abs(error[inner]).max() < 0.02 * np.abs(ours).max()
         assert np.abs(error).max() > 3.0 * np.abs(error[inner]).max()
         assert np.abs(error).max() < 0.25 * np.abs(ours).max()
@@ -51,9 +49,9 @@ def test_claim_models_agree_away_from_the_corners() -> None:
 
 def test_claim_contact_only_where_balls_close_in() -> None:
     """lin-3.3:sign_region."""
-    m = ball_force_and_loss_over_grid()
-    assert m.unconverged_state_count == 0
-    closing, force = m.velocity_deviation_difference.numerical > 1e-9, m.force.numerical
+    difference, force, _ = ball_force_and_loss_over_grid()[0]
+    closing = difference > 1e-9
+    assert np.isfinite(force).all()
     assert np.all(force[closing] > 0.0)
     np.testing.assert_allclose(force[~closing], 0.0, atol=1e-8)
 

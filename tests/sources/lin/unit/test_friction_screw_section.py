@@ -11,7 +11,7 @@ from tests.sources.entries import found
 
 from rollbench.compare.cases.lin import extremes
 from rollbench.compare.cases.lin.evidence import screw
-from rollbench.compare.cases.lin.extremes import BALLS, ExtremeGroupTally, GroupResult
+from rollbench.compare.cases.lin.extremes import BALLS, ExtremeGroup
 from rollbench.compare.cases.lin.pages import friction
 from rollbench.lowfi.as_source.screw import simulate_by_root
 from rollbench.lowfi.friction.screw.chain import solve_motion_of_chain
@@ -35,7 +35,7 @@ def every_fourth(starts):
 
 
 @pytest.fixture(scope="module")
-def records() -> list[GroupResult]:
+def records() -> list[ExtremeGroup]:
     """The report's table but for chains of 10 to 200 balls (below: the longest once), from fewer random starts, and the
     source's method on a quarter of the pairs: these take most of its time."""
     with pytest.MonkeyPatch.context() as patch:
@@ -53,15 +53,15 @@ def test_both_readings_stand_side_by_side(section):
     assert [f.value_by_inferred_assumption for f in of] == pytest.approx([1.9615, 2.9468, 39.369, 60.176], rel=2e-4)
     rows = tables(section)["friction-readings"].rows
     assert all(r["status"] == "converged" for r in rows)
-    by_kind = {r["kind"]: r for r in rows}
-    assert by_kind["plain"]["load_a"] < 0.6 * by_kind["inferred"]["load_a"]
+    by_kind = {r["interpretation"]: r for r in rows}
+    assert by_kind["plain"]["ball_load_at", "2"] < 0.6 * by_kind["inferred"]["ball_load_at", "2"]
 
 
 def test_whole_runs_the_parts_of_their_torque_and_what_the_first_step_makes_without_oversize(section):
     rows = tables(section)["friction-run-sensitivity"].rows
-    assert all(len(set(r["steps"].split(" of "))) == 1 for r in rows)
-    assert [rows[k]["largest"] for k in (0, 1)] == pytest.approx([20.66, 80.47], abs=0.03), "limits of fine steps"
-    assert all(r["at"] is None for r in rows if r["largest"] == 0.0)
+    assert all(len(set(r["time_steps_converged"].split(" of "))) == 1 for r in rows)
+    assert [rows[k]["torque_ratio"] for k in (0, 1)] == pytest.approx([20.66, 80.47], abs=0.03), "limits of fine steps"
+    assert all(r["angle_of_largest_ratio"] is None for r in rows if r["torque_ratio"] == 0.0)
     figure = next(f for f in figures(section) if f.name == "friction-run")
     for panel in [p for p in figure.panels if p.title.startswith("torque")]:
         groove, ball, total = (np.array(s.y) for s in panel.series)
@@ -92,7 +92,7 @@ def test_ours_has_no_failure_and_unique_answers_and_solves_the_longest_chains(re
 
 
 def test_root_finding_of_the_source_fails(records):
-    theirs = [r for r in records if r.source is not None and r.source_tries and r.group != "zero speed"]
+    theirs = [r for r in records if r.source_tries and r.group != "zero speed"]
     assert sum(r.source for r in theirs) < 0.7 * sum(r.source_tries for r in theirs)
     printed = [r.source < r.source_tries for r in records if r.model == "rotary, cases I to III as printed"]
     assert printed == 6 * [True]
@@ -100,12 +100,11 @@ def test_root_finding_of_the_source_fails(records):
 
 def test_a_failure_would_be_counted(records):
     """Wrong answers, lost power and failures show up in a record."""
-    tally = ExtremeGroupTally()
-    tally.count_own_solution(True, 1.0, 1.0, 0.0)
-    tally.count_own_solution(False, 1.1, 1.0, 0.2)
-    r = tally.to_group_result("group", "model")
-    assert (r.ours, r.tries, r.source) == (1, 2, None)
+    r = ExtremeGroup("group", "model")
+    r.count_own_solution(True, 1.0, 1.0, 0.0)
+    r.count_own_solution(False, 1.1, 1.0, 0.2)
+    assert (r.ours, r.tries) == (1, 2)
     assert (r.energy, r.spread) == pytest.approx((0.1, 0.2))
     _, table = extremes.extreme_cases_text_and_table([r, replace(records[0], source=3, source_tries=9)])
-    assert table.rows[0]["ours"] == "1 of 2"
-    assert [row["source"] for row in table.rows] == ["–", "3 of 9"]
+    assert table.columns["solved_here"][0] == "1 of 2"
+    assert table.columns["solved_by_lin"] == ["–", "3 of 9"]

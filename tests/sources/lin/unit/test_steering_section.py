@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from tests.rows import cells_by_key
 from tests.section_items import drawn
 
 from rollbench.compare.cases.lin.evidence import steering as gear
@@ -11,6 +10,7 @@ from rollbench.compare.scenes import catalogue
 
 SHIPPED = gear.shipped_steering_gear()
 PRINTED = (("screw", 3.32), ("bearing", 1.47))
+PARTS = {"ball screw": "3.32", "bearing": "1.47"}
 
 
 @pytest.fixture(scope="module")
@@ -48,12 +48,14 @@ def test_bands_of_the_ratios_hold_the_shipped_ones_and_say_what_lies_in_them(poi
         for (low, high), value in zip((b.screw, b.bearing), shipped, strict=True):
             assert low - 1e-9 <= value <= high + 1e-9
         assert b.screw[1] > b.screw[0]
-    rows = [cells_by_key(row) for row in steering.load_ratio_range_rows(points)]
+    rows = steering.load_ratio_range_rows(points)
     for row in rows:
-        for key, printed in PRINTED:
-            assert row[f"{key}_in"] == ("yes" if row[f"{key}_low"] <= printed <= row[f"{key}_high"] else "no")
-    assert [rows[-1][f"{key}_in"] for key in ("screw", "bearing")] == ["yes", "yes"]
-    assert {row["bearing_in"] for row in rows[:-1]} == {"no"}
+        for part, printed in PARTS.items():
+            low, high = row["smallest_load_ratio_18_deg", part], row["largest_load_ratio_18_deg", part]
+            inside = "yes" if low <= float(printed) <= high else "no"
+            assert row["contains_printed_load_ratio", printed, part] == inside
+    assert [rows[-1]["contains_printed_load_ratio", printed, part] for part, printed in PARTS.items()] == ["yes", "yes"]
+    assert {row["contains_printed_load_ratio", "1.47", "bearing"] for row in rows[:-1]} == {"no"}
 
 
 def test_lash_tests_are_load_curves_of_the_screw():

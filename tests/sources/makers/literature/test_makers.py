@@ -154,8 +154,8 @@ def test_all_values_and_their_table() -> None:
     assert all(x.computed.low <= x.computed.value <= x.computed.high and x.origin for x in found)
     assert len(outside.bias_and_scatter_table(found).rows) <= 31
     columns = page.first_page(STUDY)
-    assert sum(row[outside.NUMBER] for row in columns.values()) == len(judged)
-    assert abs(columns["preload"][outside.BIAS]) < 0.5
+    assert sum(row["values"] for row in columns.values()) == len(judged)
+    assert abs(columns["preload"]["bias"]) < 0.5
 
 
 def test_section_says_its_conclusion_first() -> None:

@@ -79,7 +79,9 @@ def test_rib_contact() -> None:
     assert area == pytest.approx(a * b, rel=0.01)
     assert np.pi * a * b == pytest.approx(0.0040, abs=5e-5)
     assert 2.0 / 3.0 * np.pi * a * b * peak == pytest.approx(160.0, abs=1.0)
-    assert bearings.taper_contacts().rib_load / bearings.POUND == pytest.approx(35.0, abs=0.5)
+    b = bearings.smith_tapered_bearing()
+    rib = 2.0 * bearings.SHEET_LOAD / (b.rollers * np.sin(b.cup_angle)) * np.sin(b.roller_angle)
+    assert rib / bearings.POUND == pytest.approx(35.0, abs=0.5)
 
 
 def test_first_approximations() -> None:

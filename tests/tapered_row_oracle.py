@@ -1,0 +1,116 @@
+"""Equilibrium of one row of tapered rollers, as the minimum of its energy in two displacements of a ring that cannot tilt.
+
+It is a second formulation of what `lowfi.statics.axis` solves.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rollbench.lowfi.bearings.tapered_roller import solve_by_smith_load_zone
+from rollbench.lowfi.rollers import TaperedBearing
+from rollbench.meshes.arrays import Array
+
+
+@dataclass(frozen=True)
+class ThrustAndRadialState:
+    """Displacements, roller loads and stiffness of a tapered roller bearing in equilibrium under thrust and radial load."""
+
+    #: Axial displacement of the inner ring [m].
+    axial_displacement: float
+    #: Radial displacement of the inner ring [m].
+    radial_displacement: float
+    #: Contact load of each of the N rollers, the same on inner and outer race ``(N,)`` [N].
+    roller_loads: Array
+    #: Derivatives of the axial and radial force with respect to the axial and radial displacement ``(2, 2)`` [N/m].
+    stiffness: Array
+    #: Largest unbalanced force on the inner ring, as a fraction of the thrust.
+    residual: float
+    #: Whether the ``residual`` is below 1e-9.
+    converged: bool
+
+
+def roller_azimuths(bearing: TaperedBearing) -> Array:
+    """Return the azimuths of the rollers ``(N,)`` [rad]; the radial load points at the first roller."""
+    return 2.0 * np.pi * np.arange(bearing.rollers) / bearing.rollers
+
+
+def strain_energy_and_derivatives(bearing: TaperedBearing, displacement: Array) -> tuple[float, Array, Array, Array]:
+    """Return strain energy, forces, stiffness and roller loads of a bearing at a displacement of its inner ring.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    displacement
+        Axial and radial displacement [m].
+
+    Returns
+    -------
+    tuple[float, Array, Array, Array]
+        Strain energy [J], axial and radial force ``(2,)`` [N], stiffness ``(2, 2)`` [N/m], roller loads ``(N,)`` [N].
+    """
+    sin, cos = np.sin(bearing.cup_angle), np.cos(bearing.cup_angle)
+    direction = np.column_stack([np.full(bearing.rollers, sin), cos * np.cos(roller_azimuths(bearing))])
+    law, length = bearing.approach_law(), bearing.length
+    q = law.line_load(direction @ displacement)
+    energy, slope = length * law.energy_per_length(q), length * law.stiffness_per_length(q)
+    return float(energy.sum()), length * (q @ direction), (direction.T * slope) @ direction, length * q
+
+
+def solve_thrust_and_radial_equilibrium(bearing: TaperedBearing, axial: float, radial: float) -> ThrustAndRadialState:
+    """Solve for the equilibrium of a tapered roller bearing under thrust and radial load, by Newton's method on its energy.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    axial, radial
+        Thrust F_a and radial force F_r [N]; the radial force points at the first roller.
+
+    Raises
+    ------
+    ValueError
+        The thrust is too small, F_a <= F_r tan(alpha) with the half angle alpha of the cup, so that the rings separate, or
+        the radial load is negative.
+    """
+    start = solve_by_smith_load_zone(bearing, axial, radial)
+    force, x = np.array([axial, radial]), np.array([start.axial_displacement, start.radial_displacement])
+    for _ in range(100):
+        energy, inner, slope, loads = strain_energy_and_derivatives(bearing, x)
+        off = inner - force
+        if np.abs(off).max() <= 1e-12 * axial:
+            break
+        # if only one roller is loaded, one direction has no stiffness: a small diagonal term keeps the step finite
+        step = -np.linalg.solve(slope + 1e-9 * np.trace(slope) * np.eye(2), off)
+        x = x + _largest_descending_step(bearing, x, step, energy - float(force @ x), force) * step
+    residual = float(np.abs(off).max() / axial)
+    return ThrustAndRadialState(float(x[0]), float(x[1]), loads, slope, residual, residual < 1e-9)
+
+
+def _largest_descending_step(bearing: TaperedBearing, start: Array, step: Array, energy: float, force: Array) -> float:
+    """Return the largest fraction 1, 1/2, 1/4, ... of a Newton step that does not increase the bearing's potential energy.
+
+    Round-off is tolerated. ``start``, ``step``: displacement and Newton step, axial and radial ``(2,)`` [m];
+    ``energy``: potential energy at ``start`` [J]; ``force``: external axial and radial force ``(2,)`` [N].
+    """
+    fraction = 1.0
+    while fraction > 1e-6:
+        trial = start + fraction * step
+        if _elastic_energy(bearing, trial) - float(force @ trial) <= energy + 1e-14 * abs(energy):
+            return fraction
+        fraction *= 0.5
+    return fraction
+
+
+def _elastic_energy(bearing: TaperedBearing, x: Array) -> float:
+    """Return the strain energy of the bearing [J]; infinite if the displacement is too large for Hertz's line contact.
+
+    ``x``: axial and radial displacement of the inner ring ``(2,)`` [m].
+    """
+    try:
+        return strain_energy_and_derivatives(bearing, x)[0]
+    except ValueError:
+        return np.inf
