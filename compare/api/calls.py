@@ -710,7 +710,7 @@ def sweep(
     Raises
     ------
     rollbench.InputError
-        If a key, range, output or model cannot be used, or if the folder contains another sweep.
+        If a key, range, output or model cannot be used, or if the folder contains another computation.
 
     Examples
     --------
@@ -737,6 +737,7 @@ def table(
     quantities: Sequence[str] = (),
     model: str = "",
     stiffness_at: float | str | None = None,
+    store: str | Path | None = None,
 ) -> Table:
     """Solve a scene for listed values of its parameters, and return a row with stiffness, preload and life for each.
 
@@ -755,6 +756,8 @@ def table(
     stiffness_at
         Axial position on the shaft [m] at which the stiffness is computed. With several nuts or bearings on the shaft, also
         the name of one of them, for the stiffness of this nut or bearing alone. None: the nut's centre.
+    store
+        Folder in which every row is stored as soon as it is solved; rows that it holds are not solved again. None: none.
 
     Returns
     -------
@@ -765,7 +768,7 @@ def table(
     Raises
     ------
     rollbench.InputError
-        If a key, its values, a quantity or the model cannot be used.
+        If a key, its values, a quantity or the model cannot be used, or if the folder contains another computation.
 
     Examples
     --------
@@ -777,7 +780,7 @@ def table(
     from rollbench.compare.studies.table import check_table_request, solve_table
 
     request = check_table_request(str(scene), over, quantities, model, stiffness_at)
-    return solve_table(request, _computing_settings(), LOG.info)
+    return solve_table(request, _computing_settings(), LOG.info, store)
 
 
 @limited_to_one_thread()

@@ -140,6 +140,7 @@ def table(
     model: terminal.Word = "",
     stiffness_at: terminal.Word = "",
     out: Path | None = None,
+    store: Path | None = None,
     as_json: terminal.Json = False,
     where: terminal.ComputeOptions | None = None,
 ) -> int:
@@ -166,6 +167,8 @@ def table(
     out
         File of the table: .csv, .json, .parquet (needs pyarrow) or .nc (needs xarray). A figure of the same name is
         written as SVG.
+    store
+        Folder in which every row is stored as soon as it is solved, so that an interrupted table resumes.
     """
     from rollbench.compare.files import check_writable, write_figure, written_together
     from rollbench.compare.studies.table import check_table_request, solve_table
@@ -183,7 +186,7 @@ def table(
     if out is not None:
         check_file_format(out)
         check_writable(out)
-    found = solve_table(asked, terminal.engine_from_options(where), show_progress_message)
+    found = solve_table(asked, terminal.engine_from_options(where), show_progress_message, store)
     parts = parameter_table_parts(found)
     if out is not None:
         with written_together():

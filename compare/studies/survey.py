@@ -763,17 +763,17 @@ def solve_screws_of_survey(
         If the folder belongs to another survey, or another process works in it.
     """
     asked = {"survey": seed, "level": LEVEL, "version": __version__} | ({} if kind == "ball screw" else {"kind": kind})
-    with many.open_store(folder, asked) as store:
-        before = [*_valid_records_in_file(record_file, seed), *many.stored_records(folder)]
-        known = {record["number"]: record for record in before if not records_without_converged_loads([record])}
-        left = {number: (seed, number, folder / "runs", kind) for number in range(count) if number not in known}
-        if len(left) < count:
-            show_progress(f"{count - len(left)} scenes of {count} are known")
-        engine = ComputingSettings(parallel_jobs=workers)
-        for number, record in many.solve_many(survey_screw, left, engine, store=store):
-            known[number] = record
-            show_progress(f"[{len(known)}/{count}] scene {number}: {record['status']}, {record['seconds']:.0f} s")
-    return [known[number] for number in range(count) if number in known]
+    kept = {record["number"]: record for record in _valid_records_in_file(record_file, seed) if _has_loads(record)}
+    known = {number: kept[number] for number in range(count) if number in kept}
+    if known:
+        show_progress(f"{len(known)} scenes of {count} are known")
+    left = {number: (seed, number, folder / "runs", kind) for number in range(count) if number not in known}
+    stored = many.StoredIn(folder, asked, "out", _has_loads)
+    engine = ComputingSettings(parallel_jobs=workers)
+    for number, record in many.solve_many(survey_screw, left, engine, show_progress, stored=stored):
+        known[number] = record
+        show_progress(f"[{len(known)}/{count}] scene {number}: {record['status']}, {record['seconds']:.0f} s")
+    return [known[number] for number in range(count)]
 
 
 def _valid_records_in_file(path: Path | None, seed: int) -> list[Record]:
@@ -801,6 +801,11 @@ def _with_descriptors(record: Record, seed: int) -> Record:
 def descriptors_for_record(scene: Scene) -> dict[str, float]:
     """Return the rounded values of all descriptors of a scene (`DESCRIPTORS`), by name."""
     return {d.name: round(d.value_of_scene(scene), 4) for d in DESCRIPTORS}
+
+
+def _has_loads(record: Record) -> bool:
+    """Return whether the 3D reference converged under the loads of a record."""
+    return not records_without_converged_loads([record])
 
 
 def records_without_converged_loads(records: Sequence[Record]) -> list[Record]:

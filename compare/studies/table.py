@@ -10,13 +10,14 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.models.answers import TANGENT_OF, tangent_stiffness_at
-from rollbench.compare.models.many import solve_many
+from rollbench.compare.models.many import solve_many, stored_in
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.model_form import estimate_model_error
 from rollbench.compare.models.registry import default_model_name
@@ -223,7 +224,12 @@ def _expected_errors_for_row(scene: Scene, result: StaticResult) -> dict[str, An
     return {"load_error": form.loads, "rms_error": form.loads_rms, **errors, "error_words": words}
 
 
-def solve_table(request: SceneTableRequest, engine: ComputingSettings, show_progress: Callable[[str], None]) -> Table:
+def solve_table(
+    request: SceneTableRequest,
+    engine: ComputingSettings,
+    show_progress: Callable[[str], None],
+    store: str | Path | None = None,
+) -> Table:
     """Solve all rows of a table.
 
     Parameters
@@ -234,6 +240,8 @@ def solve_table(request: SceneTableRequest, engine: ComputingSettings, show_prog
         Number of processes, or cluster, that solve the rows.
     show_progress
         Function that is called with each line of progress.
+    store
+        Folder in which solved rows are looked up and stored; None: none.
 
     Returns
     -------
@@ -243,13 +251,15 @@ def solve_table(request: SceneTableRequest, engine: ComputingSettings, show_prog
     Raises
     ------
     InputError
-        If workers of a cluster are lost.
+        If workers of a cluster are lost, or if the folder belongs to another computation.
     """
     request.say_which_keys_are_replaced(show_progress)
     places = list(product(*(vary.listed_values for vary in request.keys)))
     rows: dict[int, TableRow] = {}
     tasks = {number: (request, place) for number, place in enumerate(places)}
-    for number, row in solve_many(solve_table_row, tasks, engine, show_progress, noun="places"):
+    inputs = replace(request, origin=request.file_name, model="")  # wherever the file lies
+    stored = stored_in(store, "table", request.model, inputs)
+    for number, row in solve_many(solve_table_row, tasks, engine, show_progress, noun="places", stored=stored):
         rows[number] = row
         show_progress(f"[{len(rows)}/{len(places)}] {', '.join(map(str, places[number])) or 'as it stands'}: {row.status}")
     station = request.stiffness_position

@@ -102,28 +102,23 @@ def solve_missing_samples(
     """
     sweep.check()
     places = sweep.coordinates()
-    if not sample.stored_records_by_sample(folder):
+    if not any(many.stored_rows(folder)):
         _check_first_samples_are_accepted(sweep, places)
     sweep.say_which_keys_are_replaced(show_progress)
-    with many.open_store(folder, sweep.header()) as store:
-        have = sample.stored_records_by_sample(folder)
-        missing = {n for n in range(len(places)) if n not in have}
-        show_progress(f"{len(places)} samples, {len(have)} stored in {folder}, {len(missing)} to solve")
-        varied = sample.VariedScene(sweep.text, sweep.origin, sweep.keys)
-        solve = partial(sample.records_of_samples, varied, sweep.model, sweep.wanted_outputs)
-        size = max(1, min(LARGEST_BATCH, len(places) // BATCHES))  # of the sweep only: it affects round-off
-        batches = {}
-        for first in range(0, len(places), size):
-            numbers = range(first, min(first + size, len(places)))
-            if left := missing.intersection(numbers):
-                values = [sweep_keys.key_values_at_coordinates(sweep.keys, places[n]) for n in numbers]
-                batches[first] = (numbers, values, left)
-        done = failed = 0
-        for _, records in many.solve_many(solve, batches, engine, show_progress, noun="samples", store=store):
-            done += len(records)
-            failed += sum(record["status"] != many.CONVERGED for record in records)
-            show_progress(f"[{done}/{len(missing)}] {failed} failed")
-        return sample.stored_records_by_sample(folder)
+    varied = sample.VariedScene(sweep.text, sweep.origin, sweep.keys)
+    solve = partial(sample.records_of_samples, varied, sweep.model, sweep.wanted_outputs)
+    size = max(1, min(LARGEST_BATCH, len(places) // BATCHES))  # of the sweep only: it affects round-off
+    batches = {}
+    for first in range(0, len(places), size):
+        numbers = range(first, min(first + size, len(places)))
+        batches[first] = numbers, [sweep_keys.key_values_at_coordinates(sweep.keys, places[n]) for n in numbers]
+    found: dict[int, many.Record] = {}
+    stored, noun = many.StoredIn(folder, sweep.header(), "out"), "batches of samples"
+    for _, records in many.solve_many(solve, batches, engine, show_progress, noun=noun, stored=stored):
+        found |= {record["sample"]: record for record in records}
+        failed = sum(record["status"] != many.CONVERGED for record in found.values())
+        show_progress(f"[{len(found)}/{len(places)}] {failed} failed")
+    return {number: found[number] for number in range(len(places))}
 
 
 def _check_first_samples_are_accepted(sweep: SweepDefinition, coordinates: Array) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.many import CONVERGED, Record, stored_records
+from rollbench.compare.models.many import CONVERGED, Record
 from rollbench.compare.models.registry import AXIS_MODELS, model_by_name
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
@@ -167,22 +167,11 @@ def _row_of_duty_cycle(
 
 
 def records_of_samples(
-    varied: VariedScene,
-    model: str,
-    wanted: Collection[str],
-    numbers: Sequence[int],
-    values: Sequence[list[Any]],
-    missing: Collection[int],
+    varied: VariedScene, model: str, wanted: Collection[str], numbers: Sequence[int], values: Sequence[list[Any]]
 ) -> list[Record]:
-    """Solve the samples of a batch as `solve_samples`, and return the records of those that are ``missing``.
+    """Solve the samples of a batch as `solve_samples`, and return their records with number and values of each.
 
-    A batch is always solved as a whole, so that its round-off does not depend on what is stored. ``numbers``: numbers of
-    the samples; ``values``: values of the varied keys in each.
+    ``numbers``: numbers of the samples; ``values``: values of the varied keys in each.
     """
     found = zip(numbers, values, solve_samples(varied, values, model, wanted), strict=True)
-    return [{"sample": number, "values": at, **record} for number, at, record in found if number in missing]
-
-
-def stored_records_by_sample(folder: Path) -> dict[int, Record]:
-    """Return the stored records of a sweep's samples by the number of the sample, from 0."""
-    return {int(record["sample"]): record for record in stored_records(folder)}
+    return [{"sample": number, "values": at, **record} for number, at, record in found]

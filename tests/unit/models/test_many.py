@@ -23,8 +23,8 @@ def sweep(folder: Path):
     return solve_missing_samples(sweep_definition(SCENE, VARY, 3, "lhs", 1, "lin"), folder, ComputingSettings(), print)
 
 
-def table(_: Path):
-    return rollbench.table(SCENE, ["errors.balls.oversize=4:7:4 um"], quantities=["load"], model="lin")
+def table(folder: Path):
+    return rollbench.table(SCENE, ["errors.balls.oversize=4:7:4 um"], quantities=["load"], model="lin", store=folder)
 
 
 def drawn_screws(folder: Path):
@@ -58,7 +58,7 @@ def test_no_spelling_solves_without_the_map(spelling, tmp_path, monkeypatch) -> 
         SPELLINGS[spelling](tmp_path)
 
 
-@pytest.mark.parametrize("spelling", [sweep, drawn_screws])
+@pytest.mark.parametrize("spelling", [sweep, table, drawn_screws])
 def test_what_goes_on_after_a_kill_is_stored_in_one_store(spelling, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(many.Store, "is_of_current_run", gone)
     with pytest.raises(GoneError):

@@ -428,5 +428,5 @@ def test_a_program_is_compared_judged_and_swept_as_ours_are(command, tmp_path, m
     changed = (PROGRAMS / "share.awk").read_text(encoding="utf-8") + "# changed\n"
     (tmp_path / "share.awk").write_text(changed, encoding="utf-8")
     other = "awk -f share.awk {scene.json} {loads.csv}"
-    assert "another sweep" in command.refused(*SWEEP.split(), "--model-command", other)
+    assert "another computation" in command.refused(*SWEEP.split(), "--model-command", other)
     assert command.answer("solve", "lin-random", "--members", "3", "--model-command", SHARE)["converged"] == 3

@@ -44,7 +44,7 @@ sweeping.LARGEST_BATCH = 4  # workers are in the midst of theirs when their run 
 what = sweeping.sweep_definition({scene!r}, {vary!r}, {samples}, "lhs", 1, "lin")
 random.seed(5)
 def lines():
-    return sum(path.read_bytes().count(b"\\n") for path in (folder / many.RECORDS).glob("*.lines"))
+    return 4 * sum(path.read_bytes().count(b"\\n") for path in (folder / many.RECORDS).glob("*.lines"))
 killed = before = 0
 while killed < kills and before < 0.7 * {samples}:  # at a random number of stored samples and a random moment after
     child = os.fork()
@@ -57,11 +57,16 @@ while killed < kills and before < 0.7 * {samples}:  # at a random number of stor
     time.sleep(random.uniform(0.0, 0.005))
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
-    killed, last, before = killed + 1, before, len(list(many.stored_records(folder)))
+    killed, last, before = killed + 1, before, 4 * len(list(many.stored_rows(folder)))
     assert before >= last, (before, last)
 assert before < {samples} and killed >= (kills + 1) // 2, (before, killed)  # however fast the machine
 sweeping.solve_missing_samples(what, folder, ComputingSettings(parallel_jobs=workers), print)
 """
+
+
+def stored(folder):
+    """Records of all stored samples, row by row."""
+    return [record for _, read in many.stored_rows(folder) for record in read()]
 
 
 def solved(folder, sweep):
@@ -114,9 +119,8 @@ def undisturbed(tmp_path_factory):
 @pytest.mark.parametrize(("kills", "workers"), [(20, 1), (1, 2)], ids=["twenty kills", "workers that outlive the run"])
 def test_a_killed_sweep_loses_and_repeats_nothing(kills, workers, tmp_path, undisturbed):
     killed(tmp_path / "a", kills, workers, 200)
-    numbers = sorted(record["sample"] for record in many.stored_records(tmp_path / "a"))
-    assert numbers == list(range(200))
-    assert sample.stored_records_by_sample(tmp_path / "a") == undisturbed
+    records = sorted(stored(tmp_path / "a"), key=lambda record: record["sample"])
+    assert records == [undisturbed[number] for number in range(200)]
 
 
 def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_path, monkeypatch):
@@ -124,12 +128,12 @@ def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_p
     with monkeypatch.context() as patch:
         patch.setattr(sample, "solve_samples", None)
         again, said = run(tmp_path / "a")
-    assert (again, "40 stored" in said[0]) == (first, True)
+    assert (again, "20 stored" in said[0]) == (first, True)
     (path,) = (tmp_path / "a" / "records").glob("*.lines")
     lines = path.read_bytes().splitlines(keepends=True)
     lines[3] = lines[3].replace(b"converged", b"convergeD")
     path.write_bytes(b"".join(lines)[:-7])
-    assert len(sample.stored_records_by_sample(tmp_path / "a")) == 38
+    assert len(stored(tmp_path / "a")) == 36
     again, said = run(tmp_path / "a")
     assert (again, "2 to solve" in said[0]) == (first, True)
 
@@ -138,14 +142,14 @@ def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(many, "PATIENCE", 0.05)
     run(tmp_path / "a")
     header = json.loads((tmp_path / "a" / many.HEADER).read_text())
-    with many.open_store(tmp_path / "a", header), pytest.raises(InputError, match="a sweep that is running"):
+    with many.open_store(tmp_path / "a", header), pytest.raises(InputError, match="a computation that is running"):
         run(tmp_path / "a")
     earlier = many.Store(tmp_path / "a", "")
     with earlier.process_lock(), pytest.raises(InputError, match="processes of an earlier run"):
         run(tmp_path / "a")
     run(tmp_path / "a")
     assert list((tmp_path / "a" / many.LOCKS).iterdir()) == []
-    with pytest.raises(InputError, match="another sweep"):
+    with pytest.raises(InputError, match="another computation"):
         run(tmp_path / "a", seed=2)
     (tmp_path / "b").mkdir()
     (tmp_path / "b" / "notes.txt").touch()
@@ -156,7 +160,7 @@ def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path, monkeypatch):
 def test_failures_are_rows_with_their_reason_and_one_failure_a_reason(tmp_path):
     sweep = sweep_definition("lin-case1", ["balls.radius=2.7 mm:3.4 mm"], 6, "grid", 0, "lin")
     assert solve_and_report_sweep(sweep, tmp_path / "a", ComputingSettings()).exit_code == 0
-    found = sample.stored_records_by_sample(tmp_path / "a")
+    found = {record["sample"]: record for record in stored(tmp_path / "a")}
     assert (found[0]["status"], found[5]["status"][:25]) == ("converged", "refused: lin-case1.toml: ")
     lines = (tmp_path / "a" / "samples.csv").read_text().splitlines()
     assert (len(lines), "refused" in lines[-1]) == (7, True)
@@ -258,7 +262,7 @@ def test_outputs_that_are_not_asked_for_are_not_computed(tmp_path, monkeypatch):
     assert found == {n: {name: every[n][name] for name in kept} for n in range(4)}
     assert solve_and_report_sweep(some, tmp_path / "some", ComputingSettings()).data["outputs"].keys() == {*kept[:3]}
     assert (tmp_path / "some" / "samples.csv").read_text().splitlines()[0].endswith(",".join(("status", *kept[:4])))
-    with pytest.raises(InputError, match="another sweep"):
+    with pytest.raises(InputError, match="another computation"):
         run(tmp_path / "some", 4)
     with pytest.raises(InputError, match="outputs: got loads; allowed: largest_load_N"):
         solved(tmp_path / "c", sweep_definition(SCENE, VARY, 4, "lhs", 1, "lin", ["loads"]))

@@ -1,0 +1,100 @@
+"""What is solved row by row resumes from its folder: the same text, JSON and CSV as without a folder, after a kill too."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+from tests.conftest import Command
+
+from rollbench.compare.models import many
+
+
+class Spelling(NamedTuple):
+    """Words of a command that solves many rows, and of the same command for another computation."""
+
+    words: tuple[str, ...]
+    other: tuple[str, ...]
+    #: Number of rows.
+    rows: int
+    #: Option for the folder, and that for a CSV file, if there is one.
+    store: str = "--store"
+    csv: str = ""
+    #: Whether several workers may solve the rows.
+    workers: bool = False
+
+
+OVER = ("table", "two-balls", "--model", "lin", "--over", "errors.balls.oversize=4 um,5 um,900 um,-900 um")
+VARY = ("sweep", "two-balls", "--vary", "errors.balls.oversize=4 um:7 um", "--method", "grid", "--model", "lin")
+SPELLINGS = {
+    "sweep": Spelling((*VARY, "--samples", "4"), (*VARY, "--samples", "5"), 4, "--out", workers=True),
+    "table": Spelling((*OVER, "--over", "screw.conformity=0.52,0.9"), OVER, 8, csv="--out", workers=True),
+}
+each_spelling = pytest.mark.parametrize("name", SPELLINGS)
+
+
+class GoneError(Exception):
+    """Raised in place of a row that is solved."""
+
+
+def gone(*_: object) -> None:
+    raise GoneError
+
+
+@pytest.fixture
+def answers(command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[str, str, str]]:
+    """Text, JSON and CSV of a spelling, with the rows of the folder "rows" unless `stored` is false."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(spelling: Spelling, *more: str, stored: bool = True) -> tuple[str, str, str]:
+        words = [*spelling.words, *more]
+        if stored or spelling.store == "--out":
+            words += [spelling.store, "rows" if stored else "alone"]
+        if spelling.csv:
+            words += [spelling.csv, "out.csv"]
+        text, data = (command.said(*words, *form).replace("alone", "rows") for form in ((), ("--json",)))
+        file = tmp_path / ("out.csv" if spelling.csv else f"{'rows' if stored else 'alone'}/samples.csv")
+        return text, data, file.read_text() if file.exists() else ""
+
+    return run
+
+
+@each_spelling
+def test_stored_rows_are_not_solved_again_and_answer_the_same(name, answers, monkeypatch) -> None:
+    spelling = SPELLINGS[name]
+    alone = answers(spelling, stored=False)
+    assert answers(spelling) == alone
+    monkeypatch.setattr(many, "_solve_row", gone)
+    assert answers(spelling) == alone
+
+
+@each_spelling
+def test_rows_that_a_kill_has_cut_off_are_solved_and_no_others(name, answers, tmp_path, monkeypatch) -> None:
+    spelling, solve_row, solved = SPELLINGS[name], many._solve_row, []
+    alone = answers(spelling)
+    (file,) = (tmp_path / "rows" / many.RECORDS).glob("*.lines")
+    lines = file.read_bytes().splitlines(keepends=True)
+    assert len(lines) == spelling.rows
+    half = spelling.rows // 2
+    file.write_bytes(b"".join(lines[:half]) + lines[half][:-9])
+    monkeypatch.setattr(many, "_solve_row", lambda *of: solved.append(of[2]) or solve_row(*of))
+    assert answers(spelling) == alone
+    assert len(solved) == len({*solved}) == spelling.rows - half
+
+
+@pytest.mark.parametrize("name", [name for name, spelling in SPELLINGS.items() if spelling.workers])
+def test_two_workers_store_and_answer_the_same(name, answers, tmp_path, monkeypatch) -> None:
+    spelling = SPELLINGS[name]
+    alone = answers(spelling, stored=False)
+    monkeypatch.setattr(many, "WORTH_WORKERS", 0.0)
+    assert answers(spelling, "--workers", "2") == alone
+    assert len(list((tmp_path / "rows" / many.RECORDS).glob("*.lines"))) > 1
+    assert answers(spelling) == alone
+
+
+@each_spelling
+def test_the_folder_of_another_computation_is_refused(name, answers, command) -> None:
+    spelling = SPELLINGS[name]
+    answers(spelling)
+    words = "got the folder of another computation; allowed: a new folder"
+    assert f"{spelling.store}: {words}" in command.refused(*spelling.other, spelling.store, "rows")
