@@ -206,11 +206,11 @@ class FrictionCases:
 class FrictionOfSet(FrictionTorques):
     """Friction of one nut or ball bearing on a shaft."""
 
-    set: int
+    set: int = quantity_field("set")
     """Number of the nut or bearing on the shaft, from 1."""
-    name: str
+    name: str = quantity_field("name")
     """Name of the nut or bearing."""
-    loss: float
+    loss: float = quantity_field("loss_W")
     """Power lost in its contacts [W]."""
 
     def as_json(self) -> dict[str, Any]:
@@ -231,7 +231,7 @@ class FrictionOfRollers:
 
     set: int
     """Number of the row on the shaft, from 1."""
-    name: str
+    name: str = quantity_field("name")
     """Name of the row."""
     torque: RollerBearingTorque
     """Its friction torque by each formula."""
@@ -245,7 +245,7 @@ class FrictionOfRollers:
 class FrictionAtCoefficients(FrictionTorques):
     """Torques and efficiencies for one pair of coefficients of friction."""
 
-    screw: float
+    screw: float = quantity_field("screw")
     """Coefficient of friction in the screw's groove."""
     nut: float
     """Coefficient of friction in the nut's groove."""

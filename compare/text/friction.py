@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from rollbench.compare.quantities import count_with_noun, format_range, json_number, quantity_value
 from rollbench.compare.results import friction_parts as parts
-from rollbench.compare.results.friction import Friction, FrictionBall, FrictionBand, FrictionOfRollers, FrictionOnset
+from rollbench.compare.results.friction import Friction, FrictionBall, FrictionBand, FrictionOnset
 from rollbench.compare.results.friction_run import QUANTITIES, TransientRun, why_no_step_error
 from rollbench.compare.text.printing import Column, format_cell
 from rollbench.lowfi.friction import bearing
@@ -22,7 +23,7 @@ from rollbench.meshes.parts import SIDES
 #: Text line of the terminal: label and text.
 Line: TypeAlias = "tuple[str, str]"
 
-#: Table of the terminal: title, columns, and rows: values by the key of the column, or records with these quantities.
+#: Table of the terminal: title, columns, and rows, which are records or values by the key of the column.
 Shown: TypeAlias = "tuple[str, Sequence[Column], Sequence[Any]]"
 
 #: Labels of text lines that the terminal always shows.
@@ -37,27 +38,45 @@ WIDE = 0.03
 #: One inch times one pound-force [N mm].
 INCH_POUND = 25.4 * 4.4482216152605
 
+
+def _rotation(ball: FrictionBall, axis: int) -> float | None:
+    """Return the rotation of a ball [rad/s] across, along or normal to its track, ``axis`` 0 to 2; None if not known."""
+    return None if ball.rotation is None else ball.rotation[axis]
+
+
+def _carried_load(ball: FrictionBall, side: str) -> float | None:
+    """Return the load [N] of a ball on the flank ``side``; None without load."""
+    load = ball.load.get(side)
+    return load if load is not None and load > 0.0 else None
+
+
+def _lost_milliwatts(ball: FrictionBall, side: str) -> float | None:
+    """Return the power lost on the flank ``side`` of a ball [mW]; None without load."""
+    loss = None if ball.loss is None or _carried_load(ball, side) is None else ball.loss[side]
+    return None if loss is None else 1e3 * loss
+
+
 #: Columns of the terminal's table of balls; N stands for the contact load, mW for the friction loss on a flank.
 BALL_COLUMNS: tuple[Column, ...] = (
     ("index", "ball", "s"),
     ("azimuth_deg", "azimuth deg", ".2f"),
     ("orbit_rad_s", "orbit rad/s", ".6g"),
-    *((f"omega {n}", f"omega_{n}", ".5g") for n in "xyz"),
+    *((partial(_rotation, axis=k), f"omega_{n}", ".5g") for k, n in enumerate("xyz")),
     ("closing_mm_s", "closing mm/s", ".3g"),
-    *((f"{s} N", f"{s} N", ".2f") for s in SIDES),
-    *((f"{s} mW", f"{s} mW", ".4g") for s in SIDES),
+    *((partial(_carried_load, side=s), f"{s} N", ".2f") for s in SIDES),
+    *((partial(_lost_milliwatts, side=s), f"{s} mW", ".4g") for s in SIDES),
 )
 
 #: Columns of the table over the coefficient of friction: the coefficient, two torques, then what only a screw has.
 OVER_COLUMNS: tuple[Column, ...] = (
     ("screw", "coefficient", ".4g"),
-    ("friction_torque_Nmm", "friction torque N mm", ".5g"),
-    ("drag_torque_Nmm", "drag torque N mm", ".5g"),
-    ("forward_torque_Nmm", "driving torque forward N mm", ".6g"),
-    ("backward_torque_Nmm", "braking torque backward N mm", ".6g"),
-    ("efficiency_forward_percent", "efficiency forward %", ".2f"),
-    ("efficiency_backward_percent", "efficiency backward %", ".2f"),
-    ("self_locking", "self-locking", "s"),
+    ("torque.friction_torque_Nmm", "friction torque N mm", ".5g"),
+    ("torque.drag_torque_Nmm", "drag torque N mm", ".5g"),
+    ("torque.forward_torque_Nmm", "driving torque forward N mm", ".6g"),
+    ("torque.backward_torque_Nmm", "braking torque backward N mm", ".6g"),
+    ("torque.efficiency_forward_percent", "efficiency forward %", ".2f"),
+    ("torque.efficiency_backward_percent", "efficiency backward %", ".2f"),
+    ("torque.self_locking", "self-locking", "s"),
 )
 
 #: Columns of the terminal's table of friction losses by contact and cause.
@@ -74,45 +93,45 @@ LOSS_COLUMNS: tuple[Column, ...] = (
 SET_COLUMNS: tuple[Column, ...] = (
     ("set", "set", "s"),
     ("name", "name", "s"),
-    ("friction_torque_Nmm", "friction torque N mm", ".5g"),
-    ("drag_torque_Nmm", "drag torque N mm", ".5g"),
-    ("axial_load_N", "axial load N", ".5g"),
-    ("driving_torque_on_screw_Nmm", "torque on the shaft N mm", ".5g"),
+    ("torque.friction_torque_Nmm", "friction torque N mm", ".5g"),
+    ("torque.drag_torque_Nmm", "drag torque N mm", ".5g"),
+    ("torque.axial_load_N", "axial load N", ".5g"),
+    ("torque.driving_torque_on_screw_Nmm", "torque on the shaft N mm", ".5g"),
     ("loss_W", "loss W", ".5g"),
 )
 
 #: Columns of the table of torques that turn the shaft.
 DRIVE_COLUMNS: tuple[Column, ...] = (
     ("name", "name", "s"),
-    ("running_Nmm", "at constant speed N mm", "s"),
-    ("starting_Nmm", "from rest N mm", "s"),
+    (lambda one: format_range(quantity_value(one, "running_Nmm")), "at constant speed N mm", "s"),
+    (lambda one: format_range(quantity_value(one, "starting_Nmm")), "from rest N mm", "s"),
     ("seals_Nmm", "seals as given N mm", ".4g"),
 )
 
 #: Columns of the table of rows of tapered rollers.
 ROLLER_COLUMNS: tuple[Column, ...] = (
     ("name", "name", "s"),
-    ("torque", "friction torque N mm", "s"),
-    ("torque_in_lbf", "in-lbf", "s"),
-    ("timken_Nmm", "by Timken N mm", ".6g"),
-    ("timken_in_lbf", "in-lbf", ".4g"),
+    (lambda one: format_range(quantity_value(one.torque, "band_Nmm")), "friction torque N mm", "s"),
+    (lambda one: format_range([x / INCH_POUND for x in quantity_value(one.torque, "band_Nmm")]), "in-lbf", "s"),
+    (lambda one: quantity_value(one.torque, "timken_Nmm"), "by Timken N mm", ".6g"),
+    (lambda one: one.torque.timken and 1e3 * one.torque.timken / INCH_POUND, "in-lbf", ".4g"),
 )
 
 #: Columns of the table over the coefficient of friction, of a shaft.
 OVER_COLUMNS_OF_SHAFT: tuple[Column, ...] = (
     ("screw", "coefficient", ".4g"),
-    ("friction_torque_Nmm", "friction torque N mm", ".5g"),
-    ("driving_torque_on_screw_Nmm", "torque on the shaft N mm", ".5g"),
+    ("torque.friction_torque_Nmm", "friction torque N mm", ".5g"),
+    ("torque.driving_torque_on_screw_Nmm", "torque on the shaft N mm", ".5g"),
 )
 
 #: Columns of the table of load cases.
 CASE_COLUMNS: tuple[Column, ...] = (
     ("case", "case", "s"),
     ("share", "share", ".4g"),
-    ("axial_load_N", "axial load N", ".5g"),
-    ("friction_torque_Nmm", "friction torque N mm", ".5g"),
-    ("drag_torque_Nmm", "drag N mm", ".4g"),
-    ("efficiency_forward_percent", "efficiency %", ".4g"),
+    ("torque.axial_load_N", "axial load N", ".5g"),
+    ("torque.friction_torque_Nmm", "friction torque N mm", ".5g"),
+    ("torque.drag_torque_Nmm", "drag N mm", ".4g"),
+    ("torque.efficiency_forward_percent", "efficiency %", ".4g"),
 )
 
 #: Number of rows of the table in the terminal.
@@ -132,9 +151,9 @@ ANGLE_COLUMNS: tuple[Column, ...] = (
 PAIR_COLUMNS: tuple[Column, ...] = (
     ("index", "ball", "s"),
     ("state", "state", "s"),
-    *((f"{s} N", f"{s} N", ".3f") for s in SIDES),
+    *((lambda ball, s=s: ball.load[s], f"{s} N", ".3f") for s in SIDES),
     ("orbit_rad_s", "orbit rad/s", ".6f"),
-    *((f"omega {n}", f"omega_{n} rad/s", ".4f") for n in "xyz"),
+    *((partial(_rotation, axis=k), f"omega_{n} rad/s", ".4f") for k, n in enumerate("xyz")),
     ("groove_loss_mW", "groove loss mW", ".5f"),
 )
 
@@ -162,7 +181,7 @@ RUN_LINES = (
 
 #: Columns of the terminal's table of the loaded contacts of one ball; a and b are the semi-axes of the contact ellipse
 #: across and along the groove.
-CONTACT_COLUMNS: tuple[Column, ...] = (
+CONTACT_COLUMNS = (
     ("side", "contact", "s"),
     ("load_N", "force N", ".4f"),
     ("contact_angle_deg", "angle deg", ".4f"),
@@ -177,7 +196,7 @@ CONTACT_COLUMNS: tuple[Column, ...] = (
 )
 
 #: Columns of the terminal's table of friction torques of both bearings over the angle of the load.
-BEARING_COLUMNS: tuple[Column, ...] = (
+BEARING_COLUMNS = (
     ("angle", "load angle deg", ".4g"),
     ("four", "four-point N mm", ".5g"),
     ("double", "double row N mm", ".5g"),
@@ -189,11 +208,11 @@ BEARING_COLUMNS: tuple[Column, ...] = (
 #: Columns of the terminal's table of balls; v is the velocity of a ball, "apart" means balls too far apart to touch.
 LINEAR_BALL_COLUMNS: tuple[Column, ...] = (
     ("index", "ball", "s"),
-    *((f"{c} N", f"{c} N", ".3f") for c in linear_bearing.CONTACTS),
+    *((lambda ball, c=c: ball.load[c], f"{c} N", ".3f") for c in linear_bearing.CONTACTS),
     ("velocity_apart_mm_s", "v apart mm/s", ".5f"),
     ("deviation_apart_percent", "v apart above half the carriage's %", ".4f"),
     ("velocity_touching_mm_s", "v mm/s", ".5f"),
-    *((f"omega {n}", f"omega_{n} rad/s", ".4f") for n in "xy"),
+    *((partial(_rotation, axis=k), f"omega_{n} rad/s", ".4f") for k, n in enumerate("xy")),
     ("groove_loss_mW", "groove loss mW", ".5f"),
 )
 
@@ -234,9 +253,7 @@ def friction_text(found: Friction) -> str:
 def friction_tables(found: Friction) -> list[Shown]:
     """Return the tables of the terminal on the friction of a scene of any kind, without those of all balls."""
     if found.cases:
-        columns = [key for key, *_ in CASE_COLUMNS[2:]]
-        rows = [{"case": name, "share": one.share} | one.torques_as_json(columns) for name, one in found.cases.items()]
-        return [("load cases", CASE_COLUMNS, rows), *_of_cases(found, friction_tables)]
+        return [("load cases", CASE_COLUMNS, [*found.cases.values()]), *_of_cases(found, friction_tables)]
     if found.law is None:
         return []
     if kind := next((tables for of, (_, tables) in OF_PARTS.items() if isinstance(found, of)), None):
@@ -248,7 +265,7 @@ def friction_tables(found: Friction) -> list[Shown]:
         tables.append(("losses by contact and cause", LOSS_COLUMNS, found.by_contact))
     if len(found.over) > 1:
         columns_over = OVER_COLUMNS[:3] if found.kind == "bearing" else OVER_COLUMNS
-        tables.append(("over the coefficient of friction", columns_over, [one.as_json() for one in found.over]))
+        tables.append(("over the coefficient of friction", columns_over, found.over))
     if found.run is not None and found.run.history.begun_step_count:
         tables.append(("torque over the angle", ANGLE_COLUMNS, torque_rows_over_angle(found.run.history)))
     return tables
@@ -258,11 +275,11 @@ def ball_tables(found: Friction) -> list[Shown]:
     """Return the tables of the terminal with a row for each ball, which are shown on request."""
     if found.cases:
         return _of_cases(found, ball_tables)
-    if found.law is None or isinstance(found, tuple(OF_PARTS)):
+    if found.law is None or not found.balls or isinstance(found, tuple(OF_PARTS)):
         return []
     if found.sets is not None:
-        return [("per ball", (("set", "set", "s"), *BALL_COLUMNS), terminal_ball_rows(found.balls))]
-    return [("per ball", BALL_COLUMNS, terminal_ball_rows(found.balls))] if _carries_load(found) else []
+        return [("per ball", (("set", "set", "s"), *BALL_COLUMNS), found.balls)]
+    return [("per ball", BALL_COLUMNS, found.balls)] if _carries_load(found) else []
 
 
 def _of_cases(found: Friction, tables: Callable[[Friction], list[Shown]]) -> list[Shown]:
@@ -414,29 +431,6 @@ def _line_on_ball_to_ball_contact(onset: FrictionOnset, turns: str) -> Line:
     return "touch", text
 
 
-def terminal_ball_row(ball: FrictionBall) -> dict[str, Any]:
-    """Return the row of a ball in a table, with a column for each contact load and component of the rotation."""
-    turning = zip("xyz", ball.rotation or (), strict=False)
-    loads = {f"{side} N": load for side, load in ball.load.items()}
-    return ball.as_json() | loads | {f"omega {axis}": speed for axis, speed in turning}
-
-
-def terminal_ball_rows(balls: Sequence[FrictionBall]) -> list[dict[str, Any]]:
-    """Return the rows of a table, one for each ball; cells for load and loss of unloaded contacts are empty."""
-    out = []
-    for ball in balls:
-        row = terminal_ball_row(ball)
-        for side, load in ball.load.items():
-            loss = (ball.loss or {}).get(side)
-            pressed = load is not None and load > 0.0
-            row |= {
-                f"{side} N": load if pressed else None,
-                f"{side} mW": 1e3 * loss if pressed and loss is not None else None,
-            }
-        out.append(row)
-    return out
-
-
 # --- a shaft
 
 
@@ -456,29 +450,14 @@ def _tables_of_shaft(found: Friction) -> list[Shown]:
     """Return the tables on the friction of the nuts and bearings of a shaft."""
     tables: list[Shown] = []
     if found.sets:
-        rows = [one.as_json() for one in found.sets]
-        tables.append(("ball nuts and ball bearings: friction of their contacts", SET_COLUMNS, rows))
-    turning = [
-        {"name": one.name, "seals_Nmm": quantity_value(one, "seals_Nmm")}
-        | {key: format_range(quantity_value(one, key)) for key in ("running_Nmm", "starting_Nmm")}
-        for one in (() if found.drive is None else found.drive.sets)
-    ]
-    tables.append(("torque that turns the shaft", DRIVE_COLUMNS, turning))
+        tables.append(("ball nuts and ball bearings: friction of their contacts", SET_COLUMNS, found.sets))
+    tables.append(("torque that turns the shaft", DRIVE_COLUMNS, () if found.drive is None else found.drive.sets))
     if found.roller_torques:
         title = "rows of tapered rollers: friction torque (from 0.03 to 0.15 of rib friction where none is given)"
-        tables.append((title, ROLLER_COLUMNS, [_row_of_roller_torque(x) for x in found.roller_torques]))
+        tables.append((title, ROLLER_COLUMNS, found.roller_torques))
     if len(found.over) > 1:
-        over = [one.as_json() for one in found.over]
-        tables.append(("over the coefficient of friction", OVER_COLUMNS_OF_SHAFT, over))
+        tables.append(("over the coefficient of friction", OVER_COLUMNS_OF_SHAFT, found.over))
     return tables
-
-
-def _row_of_roller_torque(of: FrictionOfRollers) -> dict[str, Any]:
-    """Return the cells of `ROLLER_COLUMNS` for one row of rollers."""
-    ends, timken = quantity_value(of.torque, "band_Nmm"), quantity_value(of.torque, "timken_Nmm")
-    inch_pounds = {"timken_in_lbf": None if timken is None else timken / INCH_POUND}
-    ranges = {"torque": format_range(ends), "torque_in_lbf": format_range([x / INCH_POUND for x in ends])}
-    return {"name": of.name, "timken_Nmm": timken} | ranges | inch_pounds
 
 
 # --- a screw over time
@@ -582,7 +561,7 @@ def _lines_on_two_balls(found: parts.FrictionOfTwoBalls) -> list[Line]:
 
 def _tables_of_two_balls(found: parts.FrictionOfTwoBalls) -> list[Shown]:
     """Return the table of two balls of a screw, apart and touching."""
-    return [("per ball", PAIR_COLUMNS, [terminal_ball_row(ball) for ball in found.balls])]
+    return [("per ball", PAIR_COLUMNS, found.balls)]
 
 
 def _lines_on_linear_bearing(found: parts.FrictionOfLinearBearing) -> list[Line]:
@@ -604,10 +583,7 @@ def _lines_on_linear_bearing(found: parts.FrictionOfLinearBearing) -> list[Line]
 
 def _tables_of_linear_bearing(found: parts.FrictionOfLinearBearing) -> list[Shown]:
     """Return the tables of the balls of a linear bearing and of their contacts with each other."""
-    return [
-        ("per ball", LINEAR_BALL_COLUMNS, [terminal_ball_row(ball) for ball in found.balls]),
-        ("between balls", NEIGHBOUR_COLUMNS, found.pairs),
-    ]
+    return [("per ball", LINEAR_BALL_COLUMNS, found.balls), ("between balls", NEIGHBOUR_COLUMNS, found.pairs)]
 
 
 def _lines_on_bearing_ball(found: parts.FrictionOfBearingBall) -> list[Line]:

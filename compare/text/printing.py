@@ -7,7 +7,7 @@ import re
 import shutil
 import sys
 import textwrap
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 
-#: Description of a column of a table on the terminal: key of its value in a row, heading, number format.
-Column = tuple[str, str, str]
+#: Column of a table on the terminal: key of its value in a row or function that takes the row, heading, number format.
+Column = tuple[str | Callable[[Any], Any], str, str]
 
 
 @dataclass(frozen=True)
@@ -300,11 +300,12 @@ def _new_table(headings: Iterable[str], rows: Iterable[Iterable[str]], left_alig
 def selected_columns_table(title: str, columns: Sequence[Column], rows: Iterable[Any]) -> Table:
     """Return a table with title and rules from rows of values.
 
-    ``columns``: key of the value, heading and number format of each shown column. ``rows``: values by key, or records with
-    quantities of these keys.
+    ``columns``: the shown columns. ``rows``: values by key, or records with quantities of these keys.
     """
-    texts = (
-        [format_cell(row[key] if isinstance(row, Mapping) else quantity_value(row, key), form) for key, _, form in columns]
-        for row in rows
-    )
+
+    def value(row: Any, of: str | Callable[[Any], Any]) -> Any:
+        """Return the value of ``row`` in the column whose key or function is ``of``."""
+        return of(row) if callable(of) else row[of] if isinstance(row, Mapping) else quantity_value(row, of)
+
+    texts = ([format_cell(value(row, of), form) for of, _, form in columns] for row in rows)
     return ruled_table(title, [heading for _, heading, _ in columns], texts)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 #: Columns of the table of a load curve: key in the JSON of a point, heading, number format.
-CURVE_COLUMNS: tuple[printing.Column, ...] = (
+CURVE_COLUMNS = (
     ("load_factor", "load factor", ".3g"),
     ("load_N", "load N", ".5g"),
     ("nut_displacement_um", "nut um", ".4f"),

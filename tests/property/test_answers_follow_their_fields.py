@@ -7,11 +7,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rollbench.compare.commands.friction import friction_terminal_parts
 from rollbench.compare.gate.verdict import Judgement, VerdictRow
 from rollbench.compare.measure import LoadError
 from rollbench.compare.results.base import TabularRecord
 from rollbench.compare.results.data import Ensemble, Statistics
-from rollbench.compare.results.friction import FlankLosses, Friction, FrictionBall
+from rollbench.compare.results.friction import (
+    FlankLosses,
+    Friction,
+    FrictionAtCoefficients,
+    FrictionBall,
+    FrictionCases,
+    FrictionOfRollers,
+    FrictionOfSet,
+)
 from rollbench.compare.results.mesh_study import MeshLevel, MeshQuantity, MeshStudy
 from rollbench.compare.results.table import Over, Table, TableRow
 from rollbench.compare.results.verdict import Verdict
@@ -20,7 +29,8 @@ from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.compare.studies.survey_models import Survey
 from rollbench.compare.studies.sweep.keys import read_varied_keys
 from rollbench.compare.studies.sweep.run import Sweep, SweepDefinition
-from rollbench.compare.text.friction import friction_lines
+from rollbench.compare.text.friction import ball_tables, friction_lines
+from rollbench.lowfi.bearings.torque import RollerBearingTorque
 
 OF_LOADS = LoadError(5.0, 2.0, 6.0, 3.0, 4, "SL", 5.5)
 ROWS = (
@@ -181,3 +191,90 @@ def test_every_number_of_friction_is_in_its_json_and_the_loss_in_its_text(scene:
     rows, lines = found.rows(), friction_lines(found)
     more = replace(found, loss=2.0 * found.loss)
     assert (more.rows(), friction_lines(more)) != (rows, lines)
+
+
+TORQUES = {"torque": 1.0, "driving_torque_on_screw": 2.0}
+WHOLE_BALL = FrictionBall(
+    set=1,
+    index=2,
+    azimuth=3.0,
+    orbit=4.0,
+    rotation=(5.0, 6.0, 7.0),
+    closing=8.0,
+    load={"SL": 9.0, "SR": 10.0, "NL": 11.0, "NR": 12.0},
+    loss={"SL": 13.0, "SR": 14.0, "NL": 15.0, "NR": 16.0},
+    keys=OF_BALL,
+)
+FILM = RollerBearingTorque(1.0, 2.0, 3.0, low=4.0, high=5.0, timken=6.0, words="")
+AT_COEFFICIENTS = FrictionAtCoefficients(screw=0.1, nut=0.1, keys=(), **TORQUES)
+ON_SHAFT = Friction(
+    scene="a",
+    title="",
+    kind="axis",
+    law="coulomb",
+    converged=True,
+    reason="converged",
+    speed=1.0,
+    residual=1.0,
+    imbalance=1.0,
+    sets=(FrictionOfSet(set=1, name="nut", loss=1.0, drag_torque=3.0, axial_load=4.0, **TORQUES),),
+    over=(AT_COEFFICIENTS, AT_COEFFICIENTS),
+    balls=(WHOLE_BALL,),
+    roller_torques=(FrictionOfRollers(set=2, name="rollers", torque=FILM),),
+    keys=OF_FRICTION,
+)
+OF_SCREW = {"forward_torque": 6.0, "backward_torque": 7.0, "efficiency_forward": 0.8, "efficiency_backward": 0.7}
+OF_SCREW |= {"drag_torque": 3.0}
+ONE_NUT = replace(
+    ON_SHAFT,
+    kind="ball screw",
+    turns="screw",
+    friction_over_load=0.1,
+    axial_friction=1.0,
+    torque_without_feedback=1.0,
+    sets=None,
+    over=(replace(AT_COEFFICIENTS, **OF_SCREW),) * 2,
+    by_contact=(LOSSES,),
+    roller_torques=(),
+    **TORQUES,
+)
+OF_CASES = replace(
+    ON_SHAFT,
+    sets=None,
+    cases={
+        "push": replace(
+            ONE_NUT, case="push", share=0.5, axial_load=4.0, drag_torque=3.0, efficiency_forward=0.8, keys=OF_FRICTION
+        )
+    },
+    together=FrictionCases(largest=1.0, case="push", mean=2.0, words=None),
+)
+#: Friction of several nuts, of one and in load cases; starts of the paths that tables show, and fields they leave out.
+OF_TABLES = (
+    (ON_SHAFT, ("sets", "over", "balls", "roller_torques[0].torque"), ("nut", "hysteresis", "film", "rib")),
+    (ONE_NUT, ("over", "balls", "by_contact"), ("nut", "set", "driving_torque_on_screw")),
+    (OF_CASES, ("cases[push].balls", "cases[push].share", "cases[push].drag_torque", "cases[push].axial_load"), ("set",)),
+)
+
+
+def table_cells(found: Friction) -> list[list[object]]:
+    """The cells of every column of all tables that the terminal shows."""
+    tables = [part for part in friction_terminal_parts(found, balls=True) if not isinstance(part, str)]
+    return [[*column.cells] for table in tables for column in table.columns]
+
+
+@pytest.mark.parametrize(("found", "starts", "left_out"), OF_TABLES, ids=("shaft", "nut", "cases"))
+def test_every_changed_number_of_friction_is_shown_in_its_tables(
+    found: Friction, starts: tuple[str, ...], left_out: tuple[str, ...]
+) -> None:
+    before = table_cells(found)
+    moved = [(path, changed) for path, changed in changes(found) if path.startswith(starts)]
+    assert {path.split(".")[0].split("[")[0] for path, _ in moved} == {
+        start.split(".")[0].split("[")[0] for start in starts
+    }
+    for path, changed in moved:
+        assert (table_cells(changed) == before) == (path.split(".")[-1] in left_out), path
+
+
+def test_a_shaft_without_balls_has_no_table_of_balls() -> None:
+    assert [title for title, *_ in ball_tables(ON_SHAFT)] == ["per ball"]
+    assert ball_tables(replace(ON_SHAFT, balls=())) == []
