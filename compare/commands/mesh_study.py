@@ -160,12 +160,15 @@ def mesh_level_rows(levels: Sequence[MeshLevel], runs: Sequence[Run | RollerRun]
 
     ``runs``: the run on each of the ``levels``.
     """
+    from rollbench.compare.quantities import quantities_of_instance
     from rollbench.compare.reference.store import shows_times_of
 
-    rows = [level.as_json() for level in levels]
-    for row, run in zip(rows, runs, strict=True):
+    rows = []
+    for level, run in zip(levels, runs, strict=True):
+        row = {key: x.value(level) for key, x in quantities_of_instance(level).items()}
         if not shows_times_of(run.versions.get("rollbench", "")):
-            row.update(dict.fromkeys(row.keys() & {"seconds", "cpu_seconds", "measured_with"}))
+            row |= dict.fromkeys(("seconds", "cpu_seconds", "measured_with"))
+        rows.append(row)
     return rows
 
 

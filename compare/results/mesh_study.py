@@ -9,41 +9,38 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.measure import error_percent
+from rollbench.compare.quantities import record_as_json
 from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version, values_in_words
+from rollbench.meshes.quantity import quantity_field, result_record
 from rollbench.reports.content import Figure, Panel, Series
 
 
-@dataclass(frozen=True)
+@result_record(kw_only=True)
 class MeshLevel:
     """One mesh level of a mesh study of the 3D reference."""
 
-    level: int
+    level: int = quantity_field("level")
     """Number of the level; 1 is the coarsest."""
-    cell_size: float
+    cell_size: float = quantity_field("cell_size")
     """Ratio of the cell size on this level to that on the finest level [1]."""
-    unknowns: int
+    unknowns: int = quantity_field("unknowns")
     """Number of unknowns (displacements of nodes) of the whole mesh."""
-    seconds: float
+    seconds: float = quantity_field("seconds")
     """Computing time of the 3D reference on this mesh level, set-up and solution without cached parts [s]."""
-    difference: float
+    measured_with: str | None = quantity_field("measured_with", optional=True, default=None)
+    """Under which conditions the time was measured; None for a single roller."""
+    cells: int | None = quantity_field("cells", optional=True, default=None)
+    """Number of cells of the meshes of a single roller and its races; None for whole scenes."""
+    cpu_seconds: float | None = quantity_field("cpu_seconds", optional=True, default=None)
+    """Processor time of a single roller [s]; None for whole scenes."""
+    imbalance: float | None = quantity_field("imbalance_percent", optional=True, default=None)
+    """Difference between load and contact pressure of a single roller [% of the load]; None for whole scenes."""
+    difference: float = quantity_field("difference_percent")
     """Largest difference of a contact load from the finest level [% of the mean contact load]. For a single roller in 3D:
     difference of its elastic approach [%]."""
-    enough_for: float | None
+    enough_for: float | None = quantity_field("enough_for_percent")
     """Uncertainty of the contact loads [% of the mean contact load], estimated from this level and the coarser levels. For
     a single roller in 3D: uncertainty of its elastic approach [%]. None if there is only one level."""
-    further: Mapping[str, str | float | None] = field(default_factory=dict)
-    """Further JSON values: under which conditions the time was measured; cells and balance of a roller's run."""
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the mesh level as JSON values, a row of a table.
-
-        Returns
-        -------
-        dict
-            JSON values by key.
-        """
-        sizes = {"level": self.level, "cell_size": self.cell_size, "unknowns": self.unknowns, "seconds": self.seconds}
-        return {**sizes, **self.further, "difference_percent": self.difference, "enough_for_percent": self.enough_for}
 
 
 @dataclass(frozen=True)
@@ -64,9 +61,34 @@ class MeshQuantity:
     """Value extrapolated to zero cell size [unit]; None if no order of convergence was observed."""
     uncertainty: float | None = None
     """Uncertainty of the value on the finest level [unit]; None with a single level."""
-    further: Mapping[str, str | float | None] = field(default_factory=dict)
-    """Further JSON values: uncertainty in per cent, kind of convergence, effects of modelling choices; of a roller the
-    values and errors of low-order laws."""
+    kind: str = ""
+    """How the values converge; empty with a single level, and for a single roller."""
+    modelling_spread: float | None = None
+    """Combined effect of the varied modelling choices [unit]; None if none was varied."""
+    scene_choices: float | None = None
+    """Largest change by a choice that the scene file must state [unit]; None if none was varied."""
+    by_laws: Mapping[str, float | None] = field(default_factory=dict)
+    """Value of a single roller by each low-order law, by the law's name [unit]; None where the law does not give it."""
+
+    @property
+    def on_levels(self) -> dict[str, float]:
+        """Value on every mesh level by the heading of its column, coarsest first [unit]."""
+        return {f"level {level}": value for level, value in zip(self.levels, self.values, strict=True)}
+
+    @property
+    def uncertainty_percent(self) -> float | None:
+        """Uncertainty of the value on the finest level [% of it]; None without uncertainty, and for a value of zero."""
+        if self.uncertainty is None or (self.values[-1] == 0.0 and self.uncertainty != 0.0):
+            return None
+        return float(error_percent(self.uncertainty, 0.0, self.values[-1]))
+
+    @property
+    def law_errors(self) -> dict[str, float | None]:
+        """Error of each low-order law from the value on the finest level [%], by the law's name."""
+        return {
+            law: None if value is None else float(error_percent(value, self.values[-1]))
+            for law, value in self.by_laws.items()
+        }
 
     def as_json(self) -> dict[str, Any]:
         """Return the quantity as JSON values, a row of a table with a key for each mesh level.
@@ -76,11 +98,16 @@ class MeshQuantity:
         dict
             JSON values by key.
         """
-        row: dict[str, Any] = {"quantity": self.name, "unit": self.unit}
-        row |= {f"level {level}": value for level, value in zip(self.levels, self.values, strict=True)}
+        row: dict[str, Any] = {"quantity": self.name, "unit": self.unit, **self.on_levels}
         if len(self.levels) > 1:
             row |= {"order": self.order, "extrapolated": self.extrapolated, "uncertainty": self.uncertainty}
-        return row | dict(self.further)
+        if self.kind:
+            row |= {"uncertainty_percent": self.uncertainty_percent, "kind": self.kind}
+        if (self.modelling_spread, self.scene_choices) != (None, None):
+            row |= {"modelling_spread": self.modelling_spread, "scene_choices": self.scene_choices}
+        for law, error in self.law_errors.items():
+            row |= {law: self.by_laws[law], f"{law}_error_percent": error}
+        return row
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -126,7 +153,7 @@ class MeshStudy(TabularRecord):
         if self.sets:
             return data | {"sets": [one.as_json() for one in self.sets.values()]}
         data |= {} if self.load is None else {"set": self.set, "load_N": self.load}
-        data |= {"levels": [x.as_json() for x in self.levels], "quantities": [x.as_json() for x in self.quantities]}
+        data |= {"levels": [record_as_json(x) for x in self.levels], "quantities": [x.as_json() for x in self.quantities]}
         data |= {"profile": [dict(row) for row in self.profile]} if self.profile else {}
         return data | ({"set": self.set} if self.set else {})
 
@@ -176,7 +203,7 @@ class MeshStudy(TabularRecord):
     @property
     def _notes(self) -> tuple[str, ...]:
         """Lines below the table: one with the values of each mesh level, then the sentences on their accuracy."""
-        return (*(values_in_words(x.as_json()) for x in self.levels), *self.notes)
+        return (*(values_in_words(record_as_json(x)) for x in self.levels), *self.notes)
 
 
 #: Largest number of curves in one panel of the figure.

@@ -203,14 +203,14 @@ def mesh_study_tables_and_figures(cache: SceneResultCache, references: Reference
         if ref is None or len(ref.runs) < 2:
             continue
         table = mesh_study.mesh_study_table_of_scene(cache.built_in_scene(name), cache.reference_folders)
-        rows = [x.as_json() for x in table if "load of ball" not in x.name]
-        keys: dict[ColumnKey, str] = {"quantity": "quantity", "unit": "unit"}
-        keys |= {("value_on_mesh_level", str(r.level)): f"level {r.level}" for r in ref.runs}
-        keys |= {"order": "order", "extrapolated": "extrapolated", "value_uncertainty": "uncertainty"}
-        keys |= {"value_uncertainty_percent": "uncertainty_percent", "convergence_kind": "kind"}
-        if any(row.get("modelling_spread") is not None for row in rows):
-            keys |= {"value_uncertainty_by_choices": "modelling_spread", "value_change_by_choices": "scene_choices"}
-        columns = {column: [row.get(key) for row in rows] for column, key in keys.items()}
+        shown = mesh_study.quantities_without_single_balls(table)
+        columns: dict[ColumnKey, list[Any]] = {"quantity": [x.name for x in shown], "unit": [x.unit for x in shown]}
+        columns |= {("value_on_mesh_level", str(r.level)): [x.values[k] for x in shown] for k, r in enumerate(ref.runs)}
+        names = {"order": "order", "extrapolated": "extrapolated", "value_uncertainty": "uncertainty"}
+        names |= {"value_uncertainty_percent": "uncertainty_percent", "convergence_kind": "kind"}
+        if any(x.modelling_spread is not None for x in shown):
+            names |= {"value_uncertainty_by_choices": "modelling_spread", "value_change_by_choices": "scene_choices"}
+        columns |= {column: [getattr(x, name) for x in shown] for column, name in names.items()}
         title, note = (
             f"Contact loads and displacements of {name} on each mesh level",
             mesh_study.mesh_accuracy_sentence(ref),

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.measure import error_percent, load_error
+from rollbench.compare.measure import load_error
 from rollbench.compare.models.comparison import SceneWithReference, stored_references
 from rollbench.compare.models.modelling import run_without_changed_choices
 from rollbench.compare.reference import estimate, jobs
@@ -121,13 +121,13 @@ def mesh_levels_of_reference(reference: estimate.Reference) -> list[MeshLevel]:
     """
     return [
         MeshLevel(
-            run.level,
-            size / reference.sizes[-1],
-            run.unknowns,
-            run.setup_seconds + run.solve_seconds,
-            load_error(run.load, reference.load, reference.contacts).max_percent,
-            load_uncertainty_up_to_run(reference, k),
-            {"measured_with": str(run.measured)},
+            level=run.level,
+            cell_size=size / reference.sizes[-1],
+            unknowns=run.unknowns,
+            seconds=run.setup_seconds + run.solve_seconds,
+            measured_with=str(run.measured),
+            difference=load_error(run.load, reference.load, reference.contacts).max_percent,
+            enough_for=load_uncertainty_up_to_run(reference, k),
         )
         for k, (run, size) in enumerate(zip(reference.runs, reference.sizes, strict=True))
     ]
@@ -235,21 +235,19 @@ def mesh_study_table_of_reference(
         of_two = dict(zip(lines, bars.tolist(), strict=True))
     for name, unit, take in shown:
         values = tuple(take(r) for r in runs)
-        further, convergence = dict[str, Any](), dict[str, float | None]()
+        further = dict[str, Any]()
         if len(runs) >= 2:
             contact = _ball_and_flank_of_quantity(take, runs[-1])
             observed = grid_convergence(values, reference.sizes) if contact is None else None
             bar = of_two.get(take, observed.uncertainty) if observed else float(reference.uncertainty[contact])
             if observed:
-                convergence = {"order": observed.credible_order, "extrapolated": observed.extrapolated_value}
-            convergence["uncertainty"] = bar
-            kind = observed.kind_text if observed else SCATTERS
-            further = {"uncertainty_percent": _percent_of(bar, values[-1]), "kind": kind}
+                further = {"order": observed.credible_order, "extrapolated": observed.extrapolated_value}
+            further |= {"uncertainty": bar, "kind": observed.kind_text if observed else SCATTERS}
         if unchanged_run is not None and changed_runs:
             moves = {v: abs(take(r) - take(unchanged_run)) for v, r in changed_runs.items()}
             further["modelling_spread"] = _combined_choice_effect(moves)
             further["scene_choices"] = max((m for v, m in moves.items() if VARIANTS[v].kind == "scene"), default=None)
-        table.append(MeshQuantity(name, unit, levels, values, **convergence, further=further))
+        table.append(MeshQuantity(name, unit, levels, values, **further))
     return table
 
 
@@ -265,16 +263,6 @@ def _ball_and_flank_of_quantity(quantity_of_run: Take, finest_run: Run) -> tuple
         return None
     side, sign = quantity_of_run.args
     return int((sign * finest_run.load[:, side]).argmax()), side
-
-
-def _percent_of(value: float | None, reference: float) -> float | None:
-    """Return ``value`` in per cent of ``reference``.
-
-    None if ``value`` is None, or if ``reference`` is zero and ``value`` is not.
-    """
-    if value is None or (reference == 0.0 and value != 0.0):
-        return None
-    return float(error_percent(value, 0.0, reference))
 
 
 def _combined_choice_effect(changes_by_variant: Mapping[str, float]) -> float | None:
@@ -373,8 +361,8 @@ def compute_references_on_levels(
         """Show the contact loads by the coarsest mesh level while finer levels are computed."""
         for scene in task.scenes if task.level == min(LEVELS) and not task.variant else ():
             for one in stored_references(scene, stores[:1], (task.level,)):
-                table = mesh_study_rows_for_terminal(mesh_study_table_of_bearing(one, stores[:1], (task.level,)))
-                values = (f"{row['quantity']} {row[f'level {task.level}']:.4g} {row['unit']}" for row in table)
+                table = quantities_without_single_balls(mesh_study_table_of_bearing(one, stores[:1], (task.level,)))
+                values = (f"{x.name} {x.values[0]:.4g} {x.unit}" for x in table)
                 show_progress(f"{one.reference.scene}, by level {task.level} alone: {'; '.join(values)}")
 
     show = show_loads_of_coarsest_level
@@ -390,12 +378,25 @@ def compute_references_on_levels(
     return references
 
 
+def quantities_without_single_balls(quantities: Sequence[MeshQuantity]) -> list[MeshQuantity]:
+    """Return the quantities of a mesh study that tables show: without the loads of single balls."""
+    return [x for x in quantities if "load of ball" not in x.name]
+
+
 def mesh_study_rows_for_terminal(quantities: Sequence[MeshQuantity]) -> list[dict[str, Any]]:
     """Return a mesh-study table for the terminal, without rows of single balls, columns of percentages and remarks."""
     return [
-        {k: v for k, v in x.as_json().items() if k not in ("uncertainty_percent", "kind")}
-        for x in quantities
-        if "load of ball" not in x.name
+        {
+            "quantity": x.name,
+            "unit": x.unit,
+            **x.on_levels,
+            "order": x.order,
+            "extrapolated": x.extrapolated,
+            "uncertainty": x.uncertainty,
+            "modelling_spread": x.modelling_spread,
+            "scene_choices": x.scene_choices,
+        }
+        for x in quantities_without_single_balls(quantities)
     ]
 
 

@@ -40,8 +40,8 @@ LEVELS = (1, 2, 3)
 NORM = 35948.0
 #: Names of the races, in the order of lists over them.
 RACES = ("outer", "inner")
-#: Columns of the table that the terminal does not show.
-HIDDEN = ("order", "extrapolated", "low_order", "norm", "line_contact")
+#: Low-order laws with which the 3D values are compared: their names in results, and in words.
+LAWS = {"low_order": "slices of the roller", "norm": "the spring law of ISO/TS 16281", "line_contact": "Hertz line contact"}
 
 
 @dataclass(frozen=True)
@@ -266,13 +266,10 @@ def roller_quantities(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) -> 
         ``found_in_3d``: its value in each 3D solution in SI units; ``low``: values by low-order laws in SI units.
         """
         values = tuple(scale * value for value in found_in_3d)
-        found, row = roller_quantity_convergence(values, runs), dict[str, Any]()
-        for key in ("low_order", "norm", "line_contact"):
-            value = low.get(key)
-            row[key] = None if value is None else scale * value
-            row[f"{key}_error_percent"] = None if value is None else float(error_percent(scale * value, values[-1]))
+        found = roller_quantity_convergence(values, runs)
         observed = found.credible_order, found.extrapolated_value, found.uncertainty
-        rows.append(MeshQuantity(name, unit, levels, values, *observed, row))
+        by_laws = {law: scale * low[law] if law in low else None for law in LAWS}
+        rows.append(MeshQuantity(name, unit, levels, values, *observed, by_laws=by_laws))
 
     for k, load in enumerate(runs[-1].load):
         low = approach_and_stiffness_by_laws(roller.roller_row, load)
@@ -288,8 +285,12 @@ def roller_quantities(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) -> 
 
 
 def roller_rows_for_terminal(quantities: Sequence[MeshQuantity]) -> list[dict[str, Any]]:
-    """Return the table of `roller_quantities` for the terminal, without the columns `HIDDEN`."""
-    return [{k: v for k, v in x.as_json().items() if k not in HIDDEN} for x in quantities]
+    """Return the table of `roller_quantities` for the terminal: values, uncertainty, and errors of the laws."""
+    return [
+        {"quantity": x.name, "unit": x.unit, **x.on_levels, "uncertainty": x.uncertainty}
+        | {f"{law}_error_percent": error for law, error in x.law_errors.items()}
+        for x in quantities
+    ]
 
 
 def roller_quantity_convergence(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergence:
@@ -317,13 +318,15 @@ def roller_mesh_levels(runs: Sequence[RollerRun]) -> list[MeshLevel]:
     """
     return [
         MeshLevel(
-            run.level,
-            runs[-1].across / run.across,
-            run.unknowns,
-            run.seconds,
-            float(error_percent(run.approach[0], runs[-1].approach[0])),
-            approach_uncertainty_percent(runs[: k + 1]),
-            {"cells": run.cells, "cpu_seconds": run.cpu_seconds, "imbalance_percent": 100.0 * run.imbalance},
+            level=run.level,
+            cell_size=runs[-1].across / run.across,
+            unknowns=run.unknowns,
+            seconds=run.seconds,
+            cells=run.cells,
+            cpu_seconds=run.cpu_seconds,
+            imbalance=100.0 * run.imbalance,
+            difference=float(error_percent(run.approach[0], runs[-1].approach[0])),
+            enough_for=approach_uncertainty_percent(runs[: k + 1]),
         )
         for k, run in enumerate(runs)
     ]

@@ -22,6 +22,7 @@ from rollbench.compare.models.comparison import REFERENCED, solution_from_result
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.compare.models.study import SceneResultCache, with_ball_count, with_conformity
+from rollbench.compare.quantities import record_as_json
 from rollbench.compare.reference import convergence, estimate, levels, tasks
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.sections import u_val
@@ -74,7 +75,7 @@ def grids():
 def mesh_studies():
     return [
         [
-            [x.as_json() for x in mesh_study.mesh_levels_of_reference(stored(name))],
+            [record_as_json(x) for x in mesh_study.mesh_levels_of_reference(stored(name))],
             [x.as_json() for x in mesh_study.mesh_study_table_of_scene(scene_of(name), None)],
         ]
         for name in STUDY.stored_references(NAMES)

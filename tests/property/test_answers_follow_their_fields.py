@@ -46,8 +46,11 @@ STATISTICS = Statistics(
 WITH_INTERVALS = replace(STATISTICS, intervals={0.5: (7.0, 8.0)})
 SAMPLES = SweepDefinition("", "a.toml", read_varied_keys(["nut.length=1 mm:2 mm"]), 8)
 CONTACT = {"index": 1, "side": "SL", "mean_N": 2.0}
-LEVEL = MeshLevel(1, 2.0, 3, 4.0, 5.0, 6.0, {"cells": 7.0})
-QUANTITY = MeshQuantity("largest load, SL", "N", (1, 3), (8.0, 9.0), 1.0, 2.0, 3.0, {"uncertainty_percent": 4.0})
+LEVEL = MeshLevel(
+    level=1, cell_size=2.0, unknowns=3, seconds=4.0, cells=5, cpu_seconds=6.0, imbalance=7.0, difference=8.0, enough_for=9.0
+)
+QUANTITY = MeshQuantity("largest load, SL", "N", (1, 3), (8.0, 9.0), 1.0, 2.0, 3.0, "alike", 5.0, 6.0)
+ROLLER = MeshQuantity("approach", "um", (1, 3), (8.0, 9.0), 1.0, 2.0, 3.0, by_laws={"norm": 4.0})
 SCREW = {"screw": 3, "status": "converged", "largest_percent": 5.0, "rms_percent": 6.0, "verdict": "pass"}
 OF_BALL = ("index", "orbit_rad_s", "loss_mW")
 BALL = FrictionBall(index=1, orbit=2.0, loss={"SL": 3.0}, keys=OF_BALL)
@@ -105,7 +108,7 @@ ANSWERS = (
         band_resolution=9.0,
     ),
     MeshStudy(scene="a", levels=(LEVEL, replace(LEVEL, level=3)), quantities=(QUANTITY,)),
-    MeshStudy(scene="a", set="x", load=3.0, levels=(LEVEL,), quantities=(QUANTITY,), profile=({"along_mm": 1.0},)),
+    MeshStudy(scene="a", set="x", load=3.0, levels=(LEVEL,), quantities=(ROLLER,), profile=({"along_mm": 1.0},)),
     Survey(screws=2, of=3, max_error=7.0, judged=("lin",), rows={"lin": [SCREW]}),
 )
 

@@ -283,13 +283,9 @@ def tapered_roller_table_and_figure(cache: SceneResultCache) -> tuple[Table | Fi
         for level, value in zip(one.levels, one.values, strict=True):
             row["value_on_level", str(level)] = value
         row |= {"mesh_uncertainty_of_value": one.uncertainty}
-        for key, words in (
-            ("low_order", "slices of the roller"),
-            ("norm", "the spring law of ISO/TS 16281"),
-            ("line_contact", "Hertz line contact"),
-        ):
-            row["value_by", words] = one.further[key]
-            row["error_by", words] = one.further[f"{key}_error_percent"]
+        for law, words in rollers.LAWS.items():
+            row["value_by", words] = one.by_laws[law]
+            row["error_by", words] = one.law_errors[law]
         rows.append(row)
     best = runs[-1]
     note = f"{ROLLER_NOTE} {rollers.low_order_error_sentence(roller, runs)}"
