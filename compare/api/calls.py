@@ -112,6 +112,7 @@ def solve(
     everything: bool = False,
     condensed: str | Path | None = None,
     stiffness_at: float | None = None,
+    store: str | Path | None = None,
 ) -> Result:
     """Compute the contact loads of a scene with a low-order model, and the stiffness, life and pressures that follow.
 
@@ -133,6 +134,8 @@ def solve(
     stiffness_at
         Axial position on the shaft [m] at which the stiffness is computed. If None, the nut's centre, or for several nuts
         or bearings on one shaft the position that the scene states.
+    store
+        Folder in which every load case of several is stored once solved; stored ones are not solved again. None: none.
 
     Returns
     -------
@@ -144,7 +147,8 @@ def solve(
     Raises
     ------
     rollbench.InputError
-        If scene or model cannot be read, or the model does not cover the scene.
+        If scene or model cannot be read, the model does not cover the scene, or ``store`` is given and the scene has one
+        load case, or the folder contains another computation.
 
     Examples
     --------
@@ -160,7 +164,7 @@ def solve(
     options = ModelOptions(everything, member, condensed_bodies_file=None if condensed is None else Path(condensed))
     origin = str(scene) if isinstance(scene, (str, Path)) else ""
     chosen = model or ("" if condensed is None else "condensed")
-    return solve_scene_record(_scene_record(scene), chosen, options, stiffness_at, origin, stiffness=True)
+    return solve_scene_record(_scene_record(scene), chosen, options, stiffness_at, origin, stiffness=True, store=store)
 
 
 def solve_scene_record(
@@ -171,6 +175,7 @@ def solve_scene_record(
     name_for_messages: str = "",
     *,
     stiffness: bool = False,
+    store: str | Path | None = None,
 ) -> Result:
     """Solve a scene that has already been read from its file, as `solve` does.
 
@@ -188,6 +193,8 @@ def solve_scene_record(
         File or name by which error messages refer to the scene; if empty, the name of the scene.
     stiffness
         Whether the 6 x 6 stiffness at the nut's centre of a single nut or bearing row is computed.
+    store
+        Folder of solved load cases, as for `solve`.
 
     Returns
     -------
@@ -197,16 +204,20 @@ def solve_scene_record(
     Raises
     ------
     rollbench.InputError
-        If the model does not cover the scene.
+        If the model does not cover the scene, or if ``store`` cannot be used.
     """
-    from rollbench.compare.models.many import solve_many
+    from rollbench.compare.models.many import in_order, solve_many, stored_in
     from rollbench.compare.models.registry import default_model_name
     from rollbench.compare.results.solving import combine_load_cases, solve_with_results
 
     if isinstance(described, DutyCycle):
         cases = {k: (case.scene, model, options, stiffness_at, name_for_messages) for k, case in enumerate(described.cases)}
-        solved = solve_many(partial(solve_scene_record, stiffness=stiffness), cases)
-        return combine_load_cases(described, [result for _, result in solved])
+        stored = stored_in(store, "load cases", model, described, *options.inputs, stiffness_at, stiffness)
+        solved = solve_many(partial(solve_scene_record, stiffness=stiffness), cases, stored=stored)
+        return combine_load_cases(described, [result for _, result in in_order(solved, [*cases])])
+    if store is not None:
+        given, advice = "this option for a scene with one load case", "leave it out"
+        raise ArgumentError("store", given, "only for what solves several load cases, loads, specimens or scenes", advice)
     if isinstance(described, FrictionScene):
         raise scene_file.friction_only_error(described, name_for_messages or described.name)
     with show_file_in_scene_errors(described.name, name_for_messages or described.name):
@@ -215,7 +226,9 @@ def solve_scene_record(
 
 
 @limited_to_one_thread()
-def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, member: int = 0) -> LoadCurve:
+def load_curve(
+    scene: Described | str | Path, loads: str, model: str = "", *, member: int = 0, store: str | Path | None = None
+) -> LoadCurve:
     """Solve a scene under a range of loads: displacement and stiffness as functions of the load, and the backlash.
 
     Parameters
@@ -232,6 +245,8 @@ def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, me
         Name of the model, as for `solve`.
     member
         Number of the specimen, as for `solve`.
+    store
+        Folder in which every group of points is stored once solved; stored ones are not solved again. None: none.
 
     Returns
     -------
@@ -241,7 +256,8 @@ def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, me
     Raises
     ------
     rollbench.InputError
-        If the text of ``loads`` is no valid range, or if scene or model cannot be used (see `solve`).
+        If the text of ``loads`` is no valid range, if scene or model cannot be used (see `solve`), or if the folder
+        contains another computation.
 
     Examples
     --------
@@ -253,11 +269,16 @@ def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, me
     from rollbench.compare.models.model import ModelOptions
 
     origin = str(scene) if isinstance(scene, (str, Path)) else ""
-    return load_curve_of_scene_record(_scene_record(scene), loads, model, ModelOptions(member=member), origin)
+    return load_curve_of_scene_record(_scene_record(scene), loads, model, ModelOptions(member=member), origin, store)
 
 
 def load_curve_of_scene_record(
-    described: Described, loads: str, model: str, options: ModelOptions, name_for_messages: str = ""
+    described: Described,
+    loads: str,
+    model: str,
+    options: ModelOptions,
+    name_for_messages: str = "",
+    store: str | Path | None = None,
 ) -> LoadCurve:
     """Compute displacement and stiffness over a range of loads for a scene that has already been read; see `load_curve`.
 
@@ -273,6 +294,8 @@ def load_curve_of_scene_record(
         Options of the model.
     name_for_messages
         File or name by which error messages refer to the scene; if empty, the name of the scene.
+    store
+        Folder of solved points, as for `load_curve`.
 
     Returns
     -------
@@ -284,17 +307,24 @@ def load_curve_of_scene_record(
     rollbench.InputError
         If the text of ``loads`` is no valid range, or if the model does not cover the scene.
     """
+    from rollbench.compare.models.many import stored_in
     from rollbench.compare.results.load_curve import compute_load_curve, read_load_range
 
     course = read_load_range(loads)
     scene: Scene | Assembly = scenes_to_solve(described, name_for_messages or described.name)[0]
     with show_file_in_scene_errors(scene.name, name_for_messages or scene.name):
-        return compute_load_curve(scene, course, model, options)
+        stored = stored_in(store, "load curve", model, scene, course, *options.inputs)
+        return compute_load_curve(scene, course, model, options, stored)
 
 
 @limited_to_one_thread()
 def side_by_side(
-    scenes: Sequence[Described | str | Path], *, model: str = "", member: int = 0, stiffness_at: float | None = None
+    scenes: Sequence[Described | str | Path],
+    *,
+    model: str = "",
+    member: int = 0,
+    stiffness_at: float | None = None,
+    store: str | Path | None = None,
 ) -> SideBySide:
     """Solve two or more scenes with one model and compare their stiffness, torque and life.
 
@@ -310,6 +340,8 @@ def side_by_side(
     stiffness_at
         Axial position [m] at which the stiffness is computed in scenes with several nuts or bearings on one shaft. If None,
         the position that each scene states.
+    store
+        Folder in which every scene is stored once solved; stored ones are not solved again. None: none.
 
     Returns
     -------
@@ -319,7 +351,8 @@ def side_by_side(
     Raises
     ------
     rollbench.InputError
-        If there are fewer than two scenes, or if a scene or the model cannot be used (see `solve`).
+        If there are fewer than two scenes, if a scene or the model cannot be used (see `solve`), or if the folder contains
+        another computation.
 
     Examples
     --------
@@ -332,11 +365,16 @@ def side_by_side(
     """
     origins = [str(x) if isinstance(x, (str, Path)) else x.name for x in scenes]
     described = [_scene_record(x) for x in scenes]
-    return side_by_side_of_scene_records(described, origins, model, member, stiffness_at)
+    return side_by_side_of_scene_records(described, origins, model, member, stiffness_at, store)
 
 
 def side_by_side_of_scene_records(
-    described: Sequence[Described], names_for_messages: Sequence[str], model: str, member: int, stiffness_at: float | None
+    described: Sequence[Described],
+    names_for_messages: Sequence[str],
+    model: str,
+    member: int,
+    stiffness_at: float | None,
+    store: str | Path | None = None,
 ) -> SideBySide:
     """Solve and compare scenes that have already been read from their files, as `side_by_side` does.
 
@@ -353,6 +391,8 @@ def side_by_side_of_scene_records(
     stiffness_at
         Axial position [m] at which the stiffness is computed in scenes with several nuts or bearings on one shaft; None:
         the position that each scene states.
+    store
+        Folder of solved scenes, as for `side_by_side`.
 
     Returns
     -------
@@ -364,7 +404,7 @@ def side_by_side_of_scene_records(
     rollbench.InputError
         If there are fewer than two scenes, or the model does not cover one.
     """
-    from rollbench.compare.models.many import solve_many
+    from rollbench.compare.models.many import in_order, solve_many, stored_in
     from rollbench.compare.models.model import ModelOptions
     from rollbench.compare.results.side_by_side import compare_results_side_by_side
 
@@ -374,7 +414,8 @@ def side_by_side_of_scene_records(
     solve = partial(solve_scene_record, stiffness=True)
     pairs = enumerate(zip(described, names_for_messages, strict=True))
     rows = {k: (x, model, options, stiffness_at, origin) for k, (x, origin) in pairs}
-    found = [result for _, result in solve_many(solve, rows)]
+    stored = stored_in(store, "scenes side by side", model, described, *options.inputs, stiffness_at)
+    found = [result for _, result in in_order(solve_many(solve, rows, stored=stored), [*rows])]
     return compare_results_side_by_side(found, names if len(set(names)) == len(names) else names_for_messages)
 
 
@@ -422,7 +463,13 @@ def friction(scene: Described | str | Path, *, mu: float | Sequence[float] = (),
 
 @limited_to_one_thread()
 def ensemble(
-    scene: Described | str | Path, members: int, model: str = "", *, seed: int | None = None, workers: int | None = None
+    scene: Described | str | Path,
+    members: int,
+    model: str = "",
+    *,
+    seed: int | None = None,
+    workers: int | None = None,
+    store: str | Path | None = None,
 ) -> Ensemble:
     """Solve many specimens of a scene with random geometric errors, and return the scatter of load, stiffness and life.
 
@@ -438,6 +485,8 @@ def ensemble(
         Seed of the random numbers; None: the seed of the scene.
     workers
         Number of parallel processes; None: one for each core.
+    store
+        Folder in which every block of specimens is stored once solved; stored ones are not solved again. None: none.
 
     Returns
     -------
@@ -447,7 +496,8 @@ def ensemble(
     Raises
     ------
     rollbench.InputError
-        If the scene has no random errors, or if scene or model cannot be used (see `solve`).
+        If the scene has no random errors, if scene or model cannot be used (see `solve`), or if the folder contains
+        another computation.
 
     Examples
     --------
@@ -461,7 +511,8 @@ def ensemble(
 
     _check_numbers(members=members, seed=seed, workers=workers)
     described, engine = _scene_record(scene), ComputingSettings(parallel_jobs=workers)
-    found = solve_random_draws_of_load_cases(described, described.name, model, members, seed, engine, LOG.info)
+    name, say = described.name, LOG.info
+    found = solve_random_draws_of_load_cases(described, name, model, members, seed, engine, say, store=store)
     return ensemble_of_load_cases(described, *found)
 
 

@@ -69,6 +69,8 @@ class SolveOptions:
     strict: bool = False
     #: Whether further quantities, assumptions, neglected effects and data of the solver are printed, too.
     verbose: bool = False
+    #: Folder in which solved rows are looked up and stored; None: none.
+    store: Path | None = None
 
 
 def solve_and_report(name: str, solve_options: SolveOptions) -> CommandOutput:
@@ -94,7 +96,7 @@ def solve_and_report(name: str, solve_options: SolveOptions) -> CommandOutput:
     options = ModelOptions(solve_options.everything, solve_options.member, condensed_bodies_file=solve_options.condensed)
     at = station if solve_options.stiffness_at else None
     with watch_running_time(f"{described.name}, model {one_line(model)}", checked_time_limit(solve_options.time_limit)):
-        found = solve_scene_record(described, model, options, at, name)
+        found = solve_scene_record(described, model, options, at, name, store=solve_options.store)
     cases = found.cases or {"": found}
     written: list[str] = []
     with written_together():
@@ -260,6 +262,7 @@ def solve(
     csv: Path | None = None,
     seed: int | None = None,
     workers: int | None = None,
+    store: Path | None = None,
     time_limit: float | None = None,
     strict: Flag = False,
     verbose: Verbose = False,
@@ -310,6 +313,9 @@ def solve(
         With --members: seed of the random errors, which replaces that of the scene.
     workers
         With --members: number of parallel processes.
+    store
+        With --members, --curve, several scenes or several load cases: folder in which what is solved is stored at once, so
+        that an interrupted command resumes.
     time_limit
         Stop after this many seconds, with exit code 1. Default: no limit.
     strict
@@ -332,7 +338,7 @@ def solve(
             given = f"this option for {len(scenes)} scenes"
             raise ArgumentError(name, given, "only for one scene", "leave it out, or solve one scene at a time")
         choices = SolveOptions(
-            model, member=member, stiffness_at=stiffness_at, plot=plot, time_limit=time_limit, strict=strict
+            model, member=member, stiffness_at=stiffness_at, plot=plot, time_limit=time_limit, strict=strict, store=store
         )
         return print_command_output(solve_side_by_side(scenes, choices), as_json)
     (scene,) = scenes
@@ -344,14 +350,26 @@ def solve(
             advice = "leave them out, or solve a single specimen (random draw of the geometric errors) by `member=K`"
             raise ArgumentError(named, "one of these options with --members", "only without --members", advice)
         how = ComputingSettings(parallel_jobs=workers)
-        found = solve_specimens(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls)
+        found = solve_specimens(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls, store=store)
         return print_command_output(found, as_json)
     if seed is not None or workers is not None or (csv is not None and not curve):
         given = "one of these options without --members"
         advice = "add --members N, the number of random draws of the geometric errors"
         raise ArgumentError("csv, seed, workers", given, "only with --members", advice)
     choices = SolveOptions(
-        model, everything, member, condensed, balls, stiffness_at, matrix, loads_csv, plot, time_limit, strict, verbose
+        model,
+        everything,
+        member,
+        condensed,
+        balls,
+        stiffness_at,
+        matrix,
+        loads_csv,
+        plot,
+        time_limit,
+        strict,
+        verbose,
+        store,
     )
     found = solve_load_curve(scene, curve, choices, csv) if curve else solve_and_report(scene, choices)
     return print_command_output(found, as_json)
@@ -375,7 +393,7 @@ def solve_side_by_side(names: Sequence[str], solve_options: SolveOptions) -> Com
         _check_options_for_scene(scenes_to_solve(one, name)[0], solve_options, station)
     at = station if solve_options.stiffness_at else None
     with watch_running_time(f"{len(names)} scenes, model {one_line(model)}", checked_time_limit(solve_options.time_limit)):
-        found = side_by_side_of_scene_records(described, names, model, solve_options.member, at)
+        found = side_by_side_of_scene_records(described, names, model, solve_options.member, at, solve_options.store)
     warned = solve_options.strict and any(join_brief_warnings(one.warnings) for one in found.scenes)
     parts = side_by_side_parts(found)
     parts += [] if solve_options.plot is None else [write_plot(solve_options.plot, found)]
@@ -406,7 +424,8 @@ def solve_load_curve(name: str, text: str, solve_options: SolveOptions, csv_out:
         check_writable(csv_out)
     options = ModelOptions(solve_options.everything, solve_options.member, condensed_bodies_file=solve_options.condensed)
     with watch_running_time(f"{name}, load curve", checked_time_limit(solve_options.time_limit)):
-        found = load_curve_of_scene_record(catalogue.scene_of_any_kind(name), text, model, options, name)
+        described, store = catalogue.scene_of_any_kind(name), solve_options.store
+        found = load_curve_of_scene_record(described, text, model, options, name, store)
     lines = load_curve_parts(found, details=solve_options.verbose)
     if csv_out is not None:
         lines += write_load_curve(csv_out, found)
@@ -423,18 +442,20 @@ def solve_specimens(
     seed: int | None,
     engine: ComputingSettings,
     balls: bool = False,
+    store: Path | None = None,
 ) -> CommandOutput:
     """Solve many specimens of a scene with random errors and return their statistics; exit code 1 if none converged.
 
     ``count``: number of specimens. ``csv_out``: file to which a row is written as soon as a specimen is solved. ``seed``:
     seed of the random errors; None: that of the scene. ``engine``: runs the solves in parallel. ``balls``: also show the
-    range of the load of every ball. Raises InputError if the scene or an option cannot be used.
+    range of the load of every ball. ``store``: folder of solved specimens, or None. Raises InputError if the scene or an
+    option cannot be used.
     """
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.studies.members.members import ensemble_of_load_cases, solve_random_draws_of_load_cases
 
     described, step = catalogue.scene_of_any_kind(name), show_progress_message
-    solved = solve_random_draws_of_load_cases(described, name, model, count, seed, engine, step, csv_out)
+    solved = solve_random_draws_of_load_cases(described, name, model, count, seed, engine, step, csv_out, store)
     found = ensemble_of_load_cases(described, *solved)
     shown = ensemble_terminal_parts(found, balls=balls)
     shown += [f"wrote {csv_out}: one row for each specimen"] * bool(csv_out)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rollbench.meshes.parts import Scene
+from rollbench.reports.manifest import sha256
 
 if TYPE_CHECKING:
     from rollbench.lowfi.statics.result import AxisResult, StaticResult
@@ -29,6 +30,12 @@ class ModelOptions:
     estimate_beam_mesh_error: bool = True
     #: File with the stiffness of screw and nut condensed to the contacts, for the model "condensed"; None: no file.
     condensed_bodies_file: Path | None = None
+
+    @property
+    def inputs(self) -> tuple[object, ...]:
+        """Values on which results depend: the options, with a digest of the file in place of its path."""
+        path = self.condensed_bodies_file
+        return replace(self, condensed_bodies_file=None), path and sha256(path.read_bytes())
 
 
 def covers_any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of Model.covers_scene

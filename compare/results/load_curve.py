@@ -12,7 +12,7 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.loading import with_scaled_loads
-from rollbench.compare.models.many import solve_many
+from rollbench.compare.models.many import StoredIn, in_order, solve_many
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import default_model_name, run_model
 from rollbench.compare.models.stiffness import displacement_of_nuts, place_of_displacement, tangent_of_nuts
@@ -27,8 +27,8 @@ from rollbench.meshes.parts import Load, Scene
 from rollbench.meshes.quantity import quantity_field, result_record
 from rollbench.reports.content import Figure, Panel, Series
 
-#: Default and largest number of points of a curve.
-POINTS, MOST = 21, 1001
+#: Default and largest number of points of a curve, and number of points that are solved and stored together.
+POINTS, MOST, TOGETHER = 21, 1001, 7
 #: Relative change of the load for the tangent stiffness; fraction of the largest load that counts as a vanishing load.
 STEP, VANISHING = 1e-3, 1e-6
 #: Form of the text that states a range of loads, for error messages.
@@ -297,7 +297,11 @@ class _SolutionAtLoad:
 
 
 def compute_load_curve(
-    scene: Scene | Assembly, course: LoadRange, model: str = "", options: ModelOptions | None = None
+    scene: Scene | Assembly,
+    course: LoadRange,
+    model: str = "",
+    options: ModelOptions | None = None,
+    stored: StoredIn | None = None,
 ) -> LoadCurve:
     """Solve a scene over a range of loads, for displacement, stiffness and backlash.
 
@@ -314,6 +318,8 @@ def compute_load_curve(
         Name of the model; if empty, the default model of the scene.
     options
         Options of the model.
+    stored
+        Folder in which solved points are looked up and stored; None: none.
 
     Returns
     -------
@@ -380,9 +386,14 @@ def compute_load_curve(
             status="displacement not unique: anywhere within the backlash" if free else s.result.status,
         )
 
-    torques = _friction_torques([solution_at_load(value) for value in course.values], options.member)
-    rows = dict(enumerate(zip(course.values, torques, strict=True)))
-    points = [point for _, point in solve_many(point_at_load, rows)]
+    def points_at_loads(*values: float) -> tuple[CurvePoint, ...]:
+        """Return the curve's points at several forces [N] or load factors, whose friction is solved together."""
+        torques = _friction_torques([solution_at_load(value) for value in values], options.member)
+        return tuple(map(point_at_load, values, torques))
+
+    rows = {k: course.values[k : k + TOGETHER] for k in range(0, len(course.values), TOGETHER)}
+    solved = in_order(solve_many(points_at_loads, rows, stored=stored), [*rows])
+    points = [point for _, each in solved for point in each]
     known = [p for p in points if p.displacement is not None]
     of_ends = [solution_at_load(course.values[k]).result for k in (0, -1)]
     return LoadCurve(

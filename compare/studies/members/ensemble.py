@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -175,6 +176,8 @@ class RandomDrawBlock:
     outputs: Array
     #: Status of the solution of each specimen.
     statuses: tuple[str, ...]
+    #: Wall-clock time of the computation [s].
+    seconds: float
 
 
 def raceway_life_measure(load: Array, turning: TurningRing = "inner") -> Array:
@@ -347,8 +350,10 @@ def solve_block_of_random_draws(
     RandomDrawBlock
         Contact loads and outputs.
     """
+    start = perf_counter()
     if isinstance(scene, Assembly):
-        return _solve_shaft_block_of_draws(scene, model, loads_without_errors, first, count)
+        found = _solve_shaft_block_of_draws(scene, model, loads_without_errors, first, count)
+        return RandomDrawBlock(*found, perf_counter() - start)
     before, statuses = _solve_draws(scene, model, first, count, False)
     tangents = _tangents_of_draws(scene, model, before, _solve_draws(scene, model, first, count, True)[0])
     loads = before.loads
@@ -360,13 +365,13 @@ def solve_block_of_random_draws(
     lives = relative_life(loads, loads_without_errors, life.turning_ring(scene))
     kept = np.column_stack([loads.max(axis=(1, 2)), mean, tangents, lost, lives, before.residuals])
     kept[~good] = np.nan
-    return RandomDrawBlock(loads, kept, statuses)
+    return RandomDrawBlock(loads, kept, statuses, perf_counter() - start)
 
 
 def _solve_shaft_block_of_draws(
     assembly: Assembly, model: str, loads_without_errors: Array, first: int, count: int
-) -> RandomDrawBlock:
-    """Solve several random draws of the geometric errors of a shaft with several nuts and bearings.
+) -> tuple[Array, Array, tuple[str, ...]]:
+    """Return loads, outputs and statuses of several random draws of a shaft's errors, as in `RandomDrawBlock`.
 
     The arguments are those of `solve_block_of_random_draws`.
     """
@@ -379,7 +384,7 @@ def _solve_shaft_block_of_draws(
             loads[k] = contact_loads_of_all_balls(result)
             stiffness = stiffness_of_scene(assembly, result, result, model, ModelOptions(member=first + k))
             kept[k] = outputs_of_shaft_draw(assembly, result, stiffness, loads_without_errors, where)
-    return RandomDrawBlock(loads, kept, tuple(r.status for r in results))
+    return loads, kept, tuple(r.status for r in results)
 
 
 def contact_loads_of_all_balls(result: StaticSolution) -> Array:

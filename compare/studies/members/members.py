@@ -16,13 +16,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.many import in_order, solve_many
+from rollbench.compare.models.many import StoredIn, in_order, solve_many, stored_in
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import default_model_name, has_random_errors, model_by_name, run_model
 from rollbench.compare.quantities import json_number
@@ -137,7 +136,7 @@ class EnsembleSummary:
     load_distributions: LoadDistributions
     #: For each nut or bearing, the index range of its balls in the arrays of ``load_distributions``; None for rollers.
     ball_slices: tuple[slice | None, ...]
-    #: Wall-clock time of the computation [s].
+    #: Wall-clock time of all blocks [s], also of those that an earlier run has stored.
     seconds: float
 
 
@@ -148,6 +147,8 @@ def solve_random_draws_of_scene(
     engine: ComputingSettings | None = None,
     show_progress: Callable[[str], None] = lambda _: None,
     record_specimen: Callable[[int, str, Array], None] = lambda *_: None,
+    stored: StoredIn | None = None,
+    first_row: int = 0,
 ) -> EnsembleSummary:
     """Solve a scene for the first ``count`` random draws of its geometric errors (specimens).
 
@@ -165,6 +166,10 @@ def solve_random_draws_of_scene(
         Function that is called with each line of progress.
     record_specimen
         Function that is called with number, status and outputs (k,) of each specimen, in order of the numbers.
+    stored
+        Folder in which solved blocks are looked up and stored; None: none.
+    first_row
+        Number of the first block's row in that folder, which may hold the blocks of several scenes.
 
     Returns
     -------
@@ -177,7 +182,7 @@ def solve_random_draws_of_scene(
         If the model is unknown, the number out of range, or the scene has no random errors or no equilibrium without them.
     """
     _check_ensemble_request(scene, model, count)
-    start, model = perf_counter(), model or default_model_name(scene)
+    model = model or default_model_name(scene)
     bare = run_model(ensemble.without_random_errors(scene), model, ModelOptions(estimate_beam_mesh_error=False))
     nominal = ensemble.contact_loads_of_all_balls(bare)
     if not bare.converged or not nominal.max(initial=0.0) > 0.0:
@@ -190,20 +195,21 @@ def solve_random_draws_of_scene(
     bands, rows, failed = LoadDistributions(nominal, END * float(nominal.max()) / BINS), list[Array](), dict[int, str]()
     least = LEAST if isinstance(scene, Scene) else 1
     size = max(least, min(BLOCK, count // 16))  # depends on the count only, as the division into blocks affects round-off
-    blocks = {k: (scene, model, nominal, k, min(size, count - k)) for k in range(0, count, size)}
-    solved = solve_many(ensemble.solve_block_of_random_draws, blocks, engine, show_progress, noun="members")
-    done = 0
-    for first, block in in_order(solved, [*blocks]):
+    blocks = {first_row + k: (scene, model, nominal, k, min(size, count - k)) for k in range(0, count, size)}
+    solve, noun = ensemble.solve_block_of_random_draws, "blocks of members"
+    done, seconds = 0, 0.0
+    for row, block in in_order(solve_many(solve, blocks, engine, show_progress, noun=noun, stored=stored), [*blocks]):
+        first = row - first_row
         bands.add_loads(block.loads)
         rows.append(block.outputs)
         for k, status in enumerate(block.statuses):
             record_specimen(first + k, status, block.outputs[k])
             if status != "converged":
                 failed[first + k] = status
-        done += len(block.outputs)
+        done, seconds = done + len(block.outputs), seconds + block.seconds
         show_progress(f"[{done}/{count}] {len(failed)} failed")
     balls = ensemble.ball_slices(scene)
-    return EnsembleSummary(scene, model, np.concatenate(rows), failed, bands, balls, perf_counter() - start)
+    return EnsembleSummary(scene, model, np.concatenate(rows), failed, bands, balls, seconds)
 
 
 def _check_ensemble_request(scene: Scene | Assembly, model: str, count: int) -> None:
@@ -252,13 +258,15 @@ def solve_random_draws_of_load_cases(
     engine: ComputingSettings,
     show_progress: Callable[[str], None],
     csv_out: Path | None = None,
+    store: str | Path | None = None,
 ) -> tuple[list[EnsembleSummary], list[str]]:
     """Solve each load case of a scene for many random draws of its geometric errors (specimens).
 
     ``name``: file or name of the scene in error messages; ``count``: number of specimens; ``seed``: seed of the random
     errors, None for that of the scene; ``show_progress``: function that is called with each line of progress; ``csv_out``:
-    file for the outputs of each specimen, or None. Returns the results for each load case, then the names of the load cases
-    (none for a scene without load cases). Raises InputError for inputs that `solve_random_draws_of_scene` refuses.
+    file for the outputs of each specimen, or None; ``store``: folder in which solved blocks are looked up and stored, or
+    None. Returns the results for each load case, then the names of the load cases (none for a scene without load cases).
+    Raises InputError for inputs that `solve_random_draws_of_scene` refuses.
     """
     if seed is not None and not 0 <= seed < 2**62:
         raise ArgumentError("seed", str(seed), f"0 to {2**62 - 1}", "leave `seed` out for the seed of the scene")
@@ -266,7 +274,7 @@ def solve_random_draws_of_load_cases(
     scenes = [
         scene if seed is None else ensemble.with_error_seed(scene, seed) for scene in scenes_to_solve(described, name)
     ]
-    each: list[EnsembleSummary] = []
+    stored, each = stored_in(store, "members", model, scenes, count), list[EnsembleSummary]()
     headings = [*(["case"] if cases else []), "member", "status", *ensemble.output_names_of_draw(scenes[0])]
     with _csv_row_writer(csv_out, headings) as write:
         for scene, head in zip(scenes, [[case] for case in cases] or [[]], strict=True):
@@ -276,7 +284,8 @@ def solve_random_draws_of_load_cases(
                 write([*head, number, status, *("" if np.isnan(v) else repr(float(v)) for v in outputs)])
 
             one = model or default_model_name(scene)
-            each.append(solve_random_draws_of_scene(scene, one, count, engine, show_progress, write_row))
+            row = len(each) * count
+            each.append(solve_random_draws_of_scene(scene, one, count, engine, show_progress, write_row, stored, row))
     return each, cases
 
 

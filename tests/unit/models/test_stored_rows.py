@@ -1,13 +1,18 @@
 """What is solved row by row resumes from its folder: the same text, JSON and CSV as without a folder, after a kill too."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 from tests.conftest import Command
+from tests.load_cases import TEXT, written
 
 from rollbench.compare.models import many
+
+#: Computing time in a text or in JSON.
+TIME = re.compile(r"[0-9.e+-]+ ms for each|\"seconds\": [0-9.e+-]+")
 
 
 class Spelling(NamedTuple):
@@ -26,9 +31,16 @@ class Spelling(NamedTuple):
 
 OVER = ("table", "two-balls", "--model", "lin", "--over", "errors.balls.oversize=4 um,5 um,900 um,-900 um")
 VARY = ("sweep", "two-balls", "--vary", "errors.balls.oversize=4 um:7 um", "--method", "grid", "--model", "lin")
+MEMBERS = ("solve", "random.toml", "--balls", "--model", "lin", "--members")
+CURVE = ("solve", "two.toml", "--model", "lin", "--curve")
+BESIDE = ("solve", "two-balls", "two.toml", "--model", "lin")
 SPELLINGS = {
     "sweep": Spelling((*VARY, "--samples", "4"), (*VARY, "--samples", "5"), 4, "--out", workers=True),
     "table": Spelling((*OVER, "--over", "screw.conformity=0.52,0.9"), OVER, 8, csv="--out", workers=True),
+    "members": Spelling((*MEMBERS, "120"), (*MEMBERS, "130"), 9, csv="--csv", workers=True),
+    "curve": Spelling((*CURVE, "-300N:300N:15"), (*CURVE, "-300N:300N:16"), 3, csv="--csv"),
+    "solve A B": Spelling((*BESIDE, "clearance"), BESIDE, 3),
+    "load cases": Spelling(("solve", "two.toml", "--model", "lin"), ("solve", "two.toml"), 3, csv="--loads-csv"),
 }
 each_spelling = pytest.mark.parametrize("name", SPELLINGS)
 
@@ -45,6 +57,8 @@ def gone(*_: object) -> None:
 def answers(command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[str, str, str]]:
     """Text, JSON and CSV of a spelling, with the rows of the folder "rows" unless `stored` is false."""
     monkeypatch.chdir(tmp_path)
+    written(tmp_path)
+    (tmp_path / "random.toml").write_text(TEXT.replace('oversize = "5 um"', 'oversize = "5 um"\nsigma = "0.2 um"'))
 
     def run(spelling: Spelling, *more: str, stored: bool = True) -> tuple[str, str, str]:
         words = [*spelling.words, *more]
@@ -52,7 +66,8 @@ def answers(command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
             words += [spelling.store, "rows" if stored else "alone"]
         if spelling.csv:
             words += [spelling.csv, "out.csv"]
-        text, data = (command.said(*words, *form).replace("alone", "rows") for form in ((), ("--json",)))
+        said = [command.said(*words, *form).replace("alone", "rows") for form in ((), ("--json",))]
+        text, data = (TIME.sub("", one) for one in said)
         file = tmp_path / ("out.csv" if spelling.csv else f"{'rows' if stored else 'alone'}/samples.csv")
         return text, data, file.read_text() if file.exists() else ""
 
@@ -72,12 +87,19 @@ def test_stored_rows_are_not_solved_again_and_answer_the_same(name, answers, mon
 def test_rows_that_a_kill_has_cut_off_are_solved_and_no_others(name, answers, tmp_path, monkeypatch) -> None:
     spelling, solve_row, solved = SPELLINGS[name], many._solve_row, []
     alone = answers(spelling)
-    (file,) = (tmp_path / "rows" / many.RECORDS).glob("*.lines")
-    lines = file.read_bytes().splitlines(keepends=True)
+    files = [*(tmp_path / "rows" / many.RECORDS).glob("*.lines")]
+    lines = [line for file in files for line in file.read_bytes().splitlines(keepends=True)]
     assert len(lines) == spelling.rows
     half = spelling.rows // 2
-    file.write_bytes(b"".join(lines[:half]) + lines[half][:-9])
-    monkeypatch.setattr(many, "_solve_row", lambda *of: solved.append(of[2]) or solve_row(*of))
+    for file in files:
+        file.unlink()
+    files[0].write_bytes(b"".join(lines[:half]) + lines[half][:-9])
+
+    def counted(solve, row, number, store):
+        solved.extend([number] * (store is not None))  # a scene with load cases solves rows that are not stored
+        return solve_row(solve, row, number, store)
+
+    monkeypatch.setattr(many, "_solve_row", counted)
     assert answers(spelling) == alone
     assert len(solved) == len({*solved}) == spelling.rows - half
 
@@ -98,3 +120,9 @@ def test_the_folder_of_another_computation_is_refused(name, answers, command) ->
     answers(spelling)
     words = "got the folder of another computation; allowed: a new folder"
     assert f"{spelling.store}: {words}" in command.refused(*spelling.other, spelling.store, "rows")
+
+
+def test_a_folder_for_one_scene_with_one_load_case_is_refused(command, tmp_path) -> None:
+    said = command.refused("solve", "two-balls", "--store", str(tmp_path / "rows"))
+    assert "--store: got this option for a scene with one load case" in said
+    assert not (tmp_path / "rows").exists()
