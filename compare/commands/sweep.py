@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -17,7 +16,7 @@ from rollbench.compare.text.printing import CommandOutput, format_cell, print_co
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import ComputingSettings
-    from rollbench.compare.studies.sweep.run import Sweep, SweepDefinition
+    from rollbench.compare.studies.sweep.run import SobolIndex, Sweep, SweepDefinition
 
 
 @terminal.app.command
@@ -110,25 +109,25 @@ def _parameter_effects_table(found: Sweep) -> Any:
     """Return the table of the effect of each parameter on the largest load, with first-order and total Sobol indices."""
     from rollbench.compare.studies.columns import MAIN
 
-    indices = found.indices.get("outputs", {}).get(MAIN)
-    why = found.indices.get("none", "no Sobol indices: the largest load does not change")
+    indices = None if isinstance(found.indices, str) else found.indices.outputs.get(MAIN)
+    why = found.indices if isinstance(found.indices, str) else "no Sobol indices: the largest load does not change"
     title = "effect of each parameter on the largest contact load" + (f" ({why})" if indices is None else "")
     rows = []
     for vary in found.design.keys:
-        means = [g["mean"] for g in found.main_effects[vary.key]]
+        means = [g.mean for g in found.main_effects[vary.key]]
         cells = [f"{min(means):.5g}", f"{max(means):.5g}"] if means else ["–", "–"]
-        cells += [_sobol_index_text(indices[vary.key], kind) if indices is not None else "–" for kind in ("first", "total")]
+        cells += ["–", "–"] if indices is None else _sobol_index_texts(indices[vary.key])
         rows.append([vary.axis_label, *cells])
     headings = ("parameter", "smallest mean / N", "largest mean / N", "first-order index", "total index")
     return ruled_table(title, headings, rows)
 
 
-def _sobol_index_text(row: Mapping[str, float], kind: str) -> str:
-    """Return a Sobol index with its confidence interval as text.
-
-    ``row``: Sobol indices of one parameter with the ends of their intervals. ``kind``: "first" (first-order) or "total".
-    """
-    return f"{row[kind]:.3f} ({row[f'{kind}_low']:.3f} to {row[f'{kind}_high']:.3f})"
+def _sobol_index_texts(of: SobolIndex) -> list[str]:
+    """Return the first-order and the total Sobol index of one parameter with their confidence intervals as texts."""
+    return [
+        f"{of.first:.3f} ({of.first_low:.3f} to {of.first_high:.3f})",
+        f"{of.total:.3f} ({of.total_low:.3f} to {of.total_high:.3f})",
+    ]
 
 
 @terminal.app.command

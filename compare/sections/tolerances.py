@@ -11,7 +11,7 @@ from rollbench.compare import files
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.studies.columns import MAIN
 from rollbench.compare.studies.sweep.keys import VariedKey, read_varied_keys
-from rollbench.compare.studies.sweep.run import figures_from_sweep_summary
+from rollbench.compare.studies.sweep.run import GroupMean, SobolIndex, SobolIndices, figures_from_sweep_summary
 from rollbench.reports.content import Row, Section, Table, Text
 
 #: Shipped summary of the tolerance sweep (``summary.json``); it states the command that computed it.
@@ -30,7 +30,12 @@ WORDS = {
 def stored_tolerance_sweep() -> dict[str, Any]:
     """Return the shipped summary of the tolerance sweep of Lin's case 3: results, main effects and Sobol indices."""
     found: dict[str, Any] = json.loads(files.shipped_text(TOLERANCES))
-    return found
+    outputs = {
+        name: None if of is None else {key: SobolIndex(**index) for key, index in of.items()}
+        for name, of in found["indices"]["outputs"].items()
+    }
+    effects = {key: [GroupMean(**group) for group in groups] for key, groups in found["main_effects"].items()}
+    return found | {"main_effects": effects, "indices": SobolIndices(**(found["indices"] | {"outputs": outputs}))}
 
 
 def sweep_command(sweep_summary: Mapping[str, Any]) -> str:
@@ -66,10 +71,10 @@ def tolerance_effect_rows(tolerances: Sequence[VariedKey], sweep_summary: Mappin
     and the largest contact load [N] is averaged over the samples in each; the smallest and the largest of these averages
     are also in the row.
     """
-    indices, confidence = sweep_summary["indices"]["outputs"][MAIN], f"{100 * sweep_summary['indices']['confidence']:g}"
+    indices, confidence = sweep_summary["indices"].outputs[MAIN], f"{100 * sweep_summary['indices'].confidence:g}"
     rows: list[Row] = []
-    for vary in sorted(tolerances, key=lambda v: -indices[v.key]["total"]):
-        means = [g["mean"] for g in sweep_summary["main_effects"][vary.key]]
+    for vary in sorted(tolerances, key=lambda v: -indices[v.key].total):
+        means = [g.mean for g in sweep_summary["main_effects"][vary.key]]
         index = indices[vary.key]
         rows.append(
             {
@@ -77,10 +82,10 @@ def tolerance_effect_rows(tolerances: Sequence[VariedKey], sweep_summary: Mappin
                 "tolerance_range": "any" if vary.key == "errors.seed" else f"{vary.low:g} to {vary.high:g} {vary.unit}",
                 "lowest_mean": min(means),
                 "highest_mean": max(means),
-                "sobol_first": index["first"],
-                ("sobol_first_band", confidence): f"{index['first_low']:.2f} to {index['first_high']:.2f}",
-                "sobol_total": index["total"],
-                ("sobol_total_band", confidence): f"{index['total_low']:.2f} to {index['total_high']:.2f}",
+                "sobol_first": index.first,
+                ("sobol_first_band", confidence): f"{index.first_low:.2f} to {index.first_high:.2f}",
+                "sobol_total": index.total,
+                ("sobol_total_band", confidence): f"{index.total_low:.2f} to {index.total_high:.2f}",
             }
         )
     return rows
@@ -111,7 +116,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
             "The ranges of the tolerances are assumed, each from zero to a usual value; Lin's thesis states no tolerances. "
             "The Sobol indices are shares of the variance over these ranges: the first-order index for the tolerance "
             "alone, the total index including its interaction with others. Their "
-            f"{100 * found['indices']['confidence']:g} % intervals follow from resampling the design."
+            f"{100 * found['indices'].confidence:g} % intervals follow from resampling the design."
         ),
         f"Computed by: {sweep_command(found)}.",
     )

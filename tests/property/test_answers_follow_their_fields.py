@@ -28,7 +28,7 @@ from rollbench.compare.studies.friction.solve import solve_friction_of_named_sce
 from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.compare.studies.survey_models import Survey
 from rollbench.compare.studies.sweep.keys import read_varied_keys
-from rollbench.compare.studies.sweep.run import Sweep, SweepDefinition
+from rollbench.compare.studies.sweep.run import GroupMean, SobolIndex, SobolIndices, Sweep, SweepDefinition
 from rollbench.compare.text.friction import ball_tables, friction_lines
 from rollbench.lowfi.bearings.torque import RollerBearingTorque
 
@@ -92,9 +92,9 @@ ANSWERS = (
         converged=7,
         failures=(("refused", 1),),
         outputs={"largest_load_N": replace(STATISTICS, members=None)},
-        main_effects={"nut.length": [{"at": 1.0, "mean": 2.0}]},
+        main_effects={"nut.length": [GroupMean(1.0, 2.0, 3.0, 4)]},
         worst=({"sample": 1, "largest_load_N": 4.0},),
-        indices={"outputs": {"largest_load_N": {"nut.length": {"total": 0.5}}}},
+        indices=SobolIndices(1, 2, 0.9, {"largest_load_N": {"nut.length": SobolIndex(0.1, 0.2, 0.3, 0.4, 0.5, 0.6)}}),
     ),
     Ensemble(
         scene="a",

@@ -10,7 +10,7 @@ import csv
 import io
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -154,6 +154,46 @@ RESAMPLES, CONFIDENCE, LEAST = 200, 0.95, 8
 CONSTANT = 1e-9
 
 
+@dataclass(frozen=True)
+class GroupMean:
+    """Mean largest contact load of a group of samples: those in one part of a key's range, or at one value of its list."""
+
+    at: float
+    """Mean value of the key, in its unit."""
+    mean: float
+    """Mean largest contact load [N]."""
+    standard_error: float
+    """Standard error of this mean [N]."""
+    samples: int
+    """Number of samples in the group."""
+
+
+@dataclass(frozen=True)
+class SobolIndex:
+    """First-order and total Sobol index of an output for one key [1], each with the ends of its confidence interval."""
+
+    first: float
+    first_low: float
+    first_high: float
+    total: float
+    total_low: float
+    total_high: float
+
+
+@dataclass(frozen=True)
+class SobolIndices:
+    """Sobol indices of all outputs of a sweep."""
+
+    base_points: int
+    """Number of base points of the design from which they are estimated."""
+    of: int
+    """Number of base points of the design."""
+    confidence: float
+    """Level of the confidence intervals [1]."""
+    outputs: Mapping[str, Mapping[str, SobolIndex] | None]
+    """Indices by the name of the output and the key of the parameter; None for an output that does not vary."""
+
+
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Sweep(TabularRecord):
     """Statistics of a scene's results over sampled values of its parameters."""
@@ -170,12 +210,12 @@ class Sweep(TabularRecord):
     """Reasons why samples have no equilibrium or were refused, each with the number of samples; the most frequent first."""
     outputs: Mapping[str, Statistics | None]
     """Statistics of each output, by its name; None if fewer than two samples have a value."""
-    main_effects: Mapping[str, list[dict[str, float]]]
-    """For each varied key the mean largest contact load [N] in groups of samples, see `main_effects`."""
+    main_effects: Mapping[str, Sequence[GroupMean]]
+    """For each varied key the mean largest contact load [N] in groups of samples."""
     worst: tuple[many.Record, ...]
     """Samples with the largest contact loads, the largest first."""
-    indices: Mapping[str, Any]
-    """Sobol indices with confidence intervals of each output, or the reason for none, see `sobol_indices_by_output`."""
+    indices: SobolIndices | str
+    """Sobol indices with confidence intervals of each output, or the reason for none."""
 
     @property
     def sobol(self) -> dict[str, dict[str, float]]:
@@ -183,8 +223,8 @@ class Sweep(TabularRecord):
 
         Outputs that do not vary are left out; empty if the samples are no Sobol design, or too few.
         """
-        each = self.indices.get("outputs", {}).items()
-        return {name: {key: x["total"] for key, x in of.items()} for name, of in each if of is not None}
+        each = {} if isinstance(self.indices, str) else self.indices.outputs
+        return {name: {key: x.total for key, x in of.items()} for name, of in each.items() if of is not None}
 
     def to_dict(self) -> dict[str, JSON]:
         """Return the sweep as a dictionary, as ``rollbench sweep --json`` prints it and ``summary.json`` holds it.
@@ -197,8 +237,10 @@ class Sweep(TabularRecord):
         data: dict[str, Any] = {k: v for k, v in self.design.header().items() if k != "text"}
         data |= {"scene_hash": hash_of_scene_text(self.design.text), "solved": self.solved, "converged": self.converged}
         data["failures"] = [{"reason": reason, "samples": count} for reason, count in self.failures]
-        data |= {"outputs": statistics_as_json(self.outputs), "main_effects": dict(self.main_effects)}
-        return add_schema_version(data | {"worst": list(self.worst), "indices": dict(self.indices)})
+        data["outputs"] = statistics_as_json(self.outputs)
+        data["main_effects"] = {key: [asdict(group) for group in groups] for key, groups in self.main_effects.items()}
+        indices = {"none": self.indices} if isinstance(self.indices, str) else asdict(self.indices)
+        return add_schema_version(data | {"worst": list(self.worst), "indices": indices})
 
     def frame_rows(self) -> Sequence[Mapping[str, Any]]:
         """Return a row for each statistic, with a column for each output.
@@ -274,12 +316,10 @@ def key_values_as_numbers(keys: Sequence[sweep_keys.VariedKey], records: Sequenc
     return np.array(found, dtype=float).reshape(len(records), len(keys))
 
 
-def main_effects(keys: Sequence[sweep_keys.VariedKey], rows: Sequence[many.Record]) -> dict[str, list[dict[str, float]]]:
-    """Return for each varied key the mean largest contact load [N] in groups of samples, a list with one entry per group.
+def main_effects(keys: Sequence[sweep_keys.VariedKey], rows: Sequence[many.Record]) -> dict[str, list[GroupMean]]:
+    """Return for each varied key the mean largest contact load [N] in groups of samples.
 
-    A group consists of the samples in one part of the key's range, or at one value of its list. An entry has "at" (mean
-    value of the key in its unit), "mean" and "standard_error" of the load [N], and "samples" (number of samples in the
-    group). ``rows``: records of the converged samples.
+    ``rows``: records of the converged samples.
     """
     x, y = key_values_as_numbers(keys, rows), output_values(rows, MAIN)
     return {
@@ -300,43 +340,42 @@ def _sample_masks_by_key_range(varied_key: sweep_keys.VariedKey, key_values: Arr
     return [bins == k for k in np.unique(bins)]
 
 
-def _mean_key_and_output_of_group(key_values: Array, outputs: Array) -> dict[str, float]:
-    """Return for a group of k samples the mean of a key, mean and standard error of an output, and the number of samples.
+def _mean_key_and_output_of_group(key_values: Array, outputs: Array) -> GroupMean:
+    """Return for a group of k samples the means of a key and of an output.
 
     ``key_values``: values of the key (k,); ``outputs``: values of the output (k,).
     """
     at, mean, count = float(key_values.mean()), float(outputs.mean()), outputs.size
     error = float(outputs.std(ddof=1) / np.sqrt(count)) if count > 1 else 0.0
-    return {"at": at, "mean": mean, "standard_error": error, "samples": count}
+    return GroupMean(at, mean, error, count)
 
 
-def sobol_indices_by_output(sweep: SweepDefinition, records: Mapping[int, many.Record]) -> dict[str, Any]:
+def sobol_indices_by_output(sweep: SweepDefinition, records: Mapping[int, many.Record]) -> SobolIndices | str:
     """Return the Sobol indices of every output with confidence intervals of level `CONFIDENCE`, or the reason for none.
 
-    For each output and key there is the first-order index with the ends of its interval (first, first_low, first_high) and
-    the total index (total, total_low, total_high); for a constant output there is None. Only base points whose samples all
+    Only base points whose samples all
     converged are used: the first ones, as many as the largest power of two allows. ``records``: records of the samples by
     sample number.
     """
     if sweep.method != "sobol":
-        return {"none": f"a design by {sweep.method} gives no Sobol indices: sobol does"}
+        return f"a design by {sweep.method} gives no Sobol indices: sobol does"
     d, n = len(sweep.keys), sweep_keys.base_point_count(sweep.samples, len(sweep.keys))
     rows = [records.get(k) for k in range(n * (d + 2))]
     good = np.array([row is not None and row["status"] == many.CONVERGED for row in rows]).reshape(d + 2, n)
     whole = np.flatnonzero(good.all(axis=0))
     if whole.size < LEAST:
-        return {"none": f"{whole.size} base points of {n} have all their samples; {LEAST} are needed"}
+        return f"{whole.size} base points of {n} have all their samples; {LEAST} are needed"
     kept = whole[: 2 ** int(np.log2(whole.size))]
-    found: dict[str, Any] = {"base_points": int(kept.size), "of": n, "confidence": CONFIDENCE, "outputs": {}}
+    outputs = {}
     for name in sweep.wanted_outputs:
         y = np.array([np.nan if row is None or row.get(name) is None else row[name] for row in rows], dtype=float)
-        found["outputs"][name] = _sobol_indices_with_intervals(sweep.keys, y.reshape(d + 2, n)[:, kept], sweep.seed)
-    return found
+        outputs[name] = _sobol_indices_with_intervals(sweep.keys, y.reshape(d + 2, n)[:, kept], sweep.seed)
+    return SobolIndices(int(kept.size), n, CONFIDENCE, outputs)
 
 
 def _sobol_indices_with_intervals(
     keys: Sequence[sweep_keys.VariedKey], outputs: Array, seed: int
-) -> dict[str, dict[str, float]] | None:
+) -> dict[str, SobolIndex] | None:
     """Return the Sobol indices of one output for each key, with intervals by resampling; None for a constant output.
 
     ``outputs``: output (d + 2, n) at n base points A (first row), at n base points B (second row), and, for each of d keys,
@@ -349,12 +388,8 @@ def _sobol_indices_with_intervals(
     drawn = np.stack([np.stack(_sobol_estimates(outputs[:, rng.integers(0, n, n)])) for _ in range(RESAMPLES)])
     tail = 0.5 * (1.0 - CONFIDENCE)
     low, high = np.quantile(drawn, [tail, 1.0 - tail], axis=0)
-    ends = (("", np.stack(_sobol_estimates(outputs))), ("_low", low), ("_high", high))
-    kinds = tuple(enumerate(("first", "total")))
-    return {
-        vary.key: {f"{kind}{end}": float(value[i, k]) for i, kind in kinds for end, value in ends}
-        for k, vary in enumerate(keys)
-    }
+    ends = np.stack([np.stack(_sobol_estimates(outputs)), low, high], axis=1)
+    return {vary.key: SobolIndex(*map(float, ends[:, :, k].ravel())) for k, vary in enumerate(keys)}
 
 
 def _sobol_estimates(outputs: Array) -> tuple[Array, Array]:
@@ -395,9 +430,9 @@ def sweep_figures(found: Sweep, rows: Sequence[many.Record]) -> list[Figure]:
 def figures_from_sweep_summary(
     name: str,
     keys: Sequence[sweep_keys.VariedKey],
-    effects: Mapping[str, Sequence[Mapping[str, float]]],
+    effects: Mapping[str, Sequence[GroupMean]],
     worst: Sequence[many.Record],
-    indices: Mapping[str, Any],
+    indices: SobolIndices | str,
     short_name: Callable[[sweep_keys.VariedKey], str] = lambda vary: vary.short_name,
 ) -> list[Figure]:
     """Return the figures of a sweep that need only the summary of the sweep, not the records of its samples.
@@ -415,7 +450,7 @@ def figures_from_sweep_summary(
 
 
 def _keys_with_largest_effect(
-    keys: Sequence[sweep_keys.VariedKey], effects: Mapping[str, Sequence[Mapping[str, float]]]
+    keys: Sequence[sweep_keys.VariedKey], effects: Mapping[str, Sequence[GroupMean]]
 ) -> tuple[list[int], str]:
     """Return the indices of the varied keys with the largest effects on the largest load, then a sentence on left-out keys.
 
@@ -425,7 +460,7 @@ def _keys_with_largest_effect(
     output has no trend over it. ``effects``: main effects of the sweep.
     """
     ordered = _indices_of_keys_without_seed(keys)
-    means = [[group["mean"] for group in effects[vary.key]] for vary in keys]
+    means = [[group.mean for group in effects[vary.key]] for vary in keys]
     shown = sorted(ordered, key=lambda k: min(means[k]) - max(means[k]))[:PANELS]
     left = f" Shown are the {PANELS} inputs with the largest effects, of {len(ordered)} varied inputs."
     return shown, left if len(shown) < len(ordered) else ""
@@ -442,7 +477,7 @@ def _indices_of_keys_without_seed(keys: Sequence[sweep_keys.VariedKey]) -> list[
 def _main_effects_figure(
     figure_name: str,
     keys: Sequence[sweep_keys.VariedKey],
-    effects: Mapping[str, Sequence[Mapping[str, float]]],
+    effects: Mapping[str, Sequence[GroupMean]],
     left_out_sentence: str,
     short_name: Callable[[sweep_keys.VariedKey], str],
 ) -> Figure:
@@ -455,8 +490,8 @@ def _main_effects_figure(
     panels = []
     for vary in keys:
         groups = effects[vary.key]
-        at, mean = [g["at"] for g in groups], [g["mean"] for g in groups]
-        low, high = ([g["mean"] + sign * g["standard_error"] for g in groups] for sign in (-1.0, 1.0))
+        at, mean = [g.at for g in groups], [g.mean for g in groups]
+        low, high = ([g.mean + sign * g.standard_error for g in groups] for sign in (-1.0, 1.0))
         series = Series("mean", at, mean, "line+markers", error_bars=(low, high))
         short = short_name(vary)
         label = vary.axis_label if short == vary.short_name or not vary.unit else f"{short} / {vary.unit}"
@@ -519,7 +554,7 @@ def _worst_samples_figure(
 def _sobol_indices_figure(
     name: str,
     keys: Sequence[sweep_keys.VariedKey],
-    indices: Mapping[str, Any],
+    indices: SobolIndices | str,
     short_name: Callable[[sweep_keys.VariedKey], str],
 ) -> Figure | None:
     """Return a figure of the Sobol indices of the largest contact load, with confidence intervals; None without indices.
@@ -527,19 +562,18 @@ def _sobol_indices_figure(
     ``name``: start of the figure's name; ``indices``: result of `sobol_indices_by_output`; ``short_name``: function that
     returns the short name of a key.
     """
-    main = indices.get("outputs", {}).get(MAIN)
-    if main is None:
+    if isinstance(indices, str) or (main := indices.outputs.get(MAIN)) is None:
         return None
-    keys = sorted(keys, key=lambda vary: -main[vary.key]["total"])
+    keys = sorted(keys, key=lambda vary: -main[vary.key].total)
     number = [float(k) for k in range(1, len(keys) + 1)]
     series = []
     for kind, label, shift in (("first", "first-order", -0.06), ("total", "total", 0.06)):
-        value, low, high = ([main[v.key][f"{kind}{end}"] for v in keys] for end in ("", "_low", "_high"))
+        value, low, high = ([getattr(main[v.key], f"{kind}{end}") for v in keys] for end in ("", "_low", "_high"))
         bars = ([min(a, b) for a, b in zip(low, value, strict=True)], [max(a, b) for a, b in zip(high, value, strict=True)])
         series.append(Series(label, [n + shift for n in number], value, "markers", error_bars=bars))
     caption = (
         f"Sobol indices of the {LOAD.removesuffix(' / N')}, estimated from "
-        f"{indices['base_points']} base points of the design, with {100 * indices['confidence']:g} % confidence intervals. "
+        f"{indices.base_points} base points of the design, with {100 * indices.confidence:g} % confidence intervals. "
         "First-order index: effect of the input alone; total index: including its interactions."
     )
     names, shares = [short_name(v) for v in keys], tuple(series)

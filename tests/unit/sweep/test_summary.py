@@ -38,15 +38,15 @@ def test_indices_of_ishigami_lie_in_their_intervals():
     exact = {"a": (v / total, (v + cross) / total), "b": (7.0**2 / 8.0 / total,) * 2, "c": (0.0, cross / total)}
     what = sweep(10240)
     found = sobol_indices_by_output(what, records(what, ishigami))
-    assert found["base_points"] == 2048
-    of_main = found["outputs"][MAIN]
+    assert found.base_points == 2048
+    of_main = found.outputs[MAIN]
     for key, (first, last) in exact.items():
         for kind, value in (("first", first), ("total", last)):
-            low, high = of_main[key][f"{kind}_low"], of_main[key][f"{kind}_high"]
-            assert low < of_main[key][kind] < high
-            assert abs(of_main[key][kind] - value) < 1.5 * (high - low)
+            low, high = getattr(of_main[key], f"{kind}_low"), getattr(of_main[key], f"{kind}_high")
+            assert low < getattr(of_main[key], kind) < high
+            assert abs(getattr(of_main[key], kind) - value) < 1.5 * (high - low)
             assert high - low < 0.15
-    assert found["outputs"]["mean_load_N"] is None  # it does not change
+    assert found.outputs["mean_load_N"] is None  # it does not change
 
 
 def test_a_single_key_has_all_of_the_variance():
@@ -54,9 +54,9 @@ def test_a_single_key_has_all_of_the_variance():
     samples = {n: row for n, row in records(sweep(640), ishigami).items() if n < 192}
     for n, place in enumerate(what.coordinates()):
         samples[n][MAIN] = KEYS[0].value_at_relative_position(place[0]) ** 3
-    (name, found), *others = sobol_indices_by_output(what, samples)["outputs"][MAIN].items()
+    (name, found), *others = sobol_indices_by_output(what, samples).outputs[MAIN].items()
     assert (name, others) == ("a", [])
-    assert (found["first"], found["total"]) == pytest.approx((1.0, 1.0), abs=0.1)
+    assert (found.first, found.total) == pytest.approx((1.0, 1.0), abs=0.1)
 
 
 def test_indices_are_the_same_every_time_and_leave_out_base_points_with_a_failed_sample():
@@ -65,7 +65,7 @@ def test_indices_are_the_same_every_time_and_leave_out_base_points_with_a_failed
     assert sobol_indices_by_output(what, samples) == sobol_indices_by_output(what, samples)
     samples[128 + 5] = {"sample": 133, "values": samples[133]["values"], "status": "refused: x"}
     found = sobol_indices_by_output(what, samples)
-    assert (found["base_points"], found["of"]) == (64, 128)
+    assert (found.base_points, found.of) == (64, 128)
     summary = sweep_summary(what, samples, Path())
     assert (summary.solved, summary.converged) == (640, 639)
     assert summary.failures == (("refused: x", 1),)
@@ -74,7 +74,7 @@ def test_indices_are_the_same_every_time_and_leave_out_base_points_with_a_failed
 def test_other_designs_say_that_they_give_no_indices_and_worst_samples_come_first():
     what = sweep(50, "lhs")
     samples = records(what, ishigami)
-    assert "sobol" in sobol_indices_by_output(what, samples)["none"]
+    assert "sobol" in sobol_indices_by_output(what, samples)
     worst = sweep_summary(what, samples, Path()).worst
     assert len(worst) == 10
     assert [row[MAIN] for row in worst] == sorted((row[MAIN] for row in samples.values()), reverse=True)[:10]
@@ -84,11 +84,11 @@ def test_main_effect_of_a_linear_function():
     what = sweep(4000, "lhs")
     samples = records(what, lambda a, b, c: 2.0 * a)  # noqa: ARG005
     groups = main_effects(KEYS, list(samples.values()))
-    assert (len(groups["a"]), sum(g["samples"] for g in groups["a"])) == (8, 4000)
+    assert (len(groups["a"]), sum(g.samples for g in groups["a"])) == (8, 4000)
     for g in groups["a"]:
-        assert g["mean"] == pytest.approx(2.0 * g["at"])
+        assert g.mean == pytest.approx(2.0 * g.at)
     for g in groups["b"]:
-        assert abs(g["mean"]) < 5.0 * g["standard_error"]
+        assert abs(g.mean) < 5.0 * g.standard_error
 
 
 def test_statistics_of_known_values():
