@@ -19,7 +19,6 @@ from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.helix import lead_per_radian
 from rollbench.meshes.parts import BallErrors, Errors, Scene, Support
 
 #: Axial loads of the axial lash test: first, last and number of loads. The lateral loads of the conical test are not
@@ -29,37 +28,19 @@ ENDS = "-200N:200N:2"
 TURNS, DIRECTIONS = 3.75, np.radians([0.0, 45.0, 90.0, 135.0])
 #: Motions that are restrained at the screw's left end: rotation about its axis only.
 TURNING = ("rz",)
-PATTERNS = ("evenly distributed", "stacked on one end", "stacked on one side", "half-half")
-
-
-def ball_azimuths_of_pattern(scene: Scene, pattern: str) -> tuple[float, ...]:
-    """Return the azimuths [rad] of the balls of the screw ``scene`` in a pattern of Lin's Figure 4.2.
-
-    ``pattern``: one of `PATTERNS`. Stacked balls touch one another. For "stacked on one side", the part of every turn
-    without balls lies opposite the x axis, at an azimuth of pi.
-    """
-    n, track = scene.ball_count, scene.track
-    full = 2.0 * np.pi * TURNS
-    if pattern == "evenly distributed":
-        return tuple(full * ((np.arange(n) + 0.5) / n - 0.5))
-    step = 2.0 * scene.balls.radius * (1.0 + 1e-9) / float(np.hypot(track.pitch_radius, lead_per_radian(track)))
-    free = full - step * n
-    at = -0.5 * full + step * (np.arange(n) + 0.5)
-    if pattern == "stacked on one end":
-        return tuple(at)
-    if pattern == "half-half":
-        return tuple(np.where(np.arange(n) < n // 2, at, at + free))
-    gaps = np.pi * np.array([k for k in range(-9, 10, 2) if abs(k) < TURNS])
-    wide = free / gaps.size
-    out = at.copy()
-    for gap in gaps:
-        out = np.where(out > gap - 0.5 * wide, out + wide, out)
-    return tuple(out)
+#: Patterns of balls in Lin's Figure 4.2, with the scene of each.
+PATTERNS = {
+    "evenly distributed": "lin-lash-even",
+    "stacked on one end": "lin-lash-one-end",
+    "stacked on one side": "lin-lash-one-side",
+    "half-half": "lin-lash-half-half",
+}
 
 
 def arrange_balls_in_pattern(scene: Scene, pattern: str) -> Scene:
     """Return a copy of the screw with its balls in a pattern of Lin's Figure 4.2; ``pattern``: one of `PATTERNS`."""
-    return replace(scene, balls=replace(scene.balls, azimuths=ball_azimuths_of_pattern(scene, pattern)))
+    balls = catalogue.scene(PATTERNS[pattern]).balls
+    return replace(scene, balls=replace(scene.balls, azimuths=balls.azimuths))
 
 
 def solve_axial_lash_test(scene: Scene, loads: str = ENDS, restrained: Sequence[str] = TURNING) -> LoadCurve:
@@ -169,7 +150,7 @@ def relative_lash_differences(
 
 #: Names of the scenes of ball screw and steering gear; total rack force [N], distance of the lateral force of the conical
 #: lash test from the nut's centre [m].
-SCREW, RACK = "lin-nominal-4p1", "lin-steering-rack"
+SCREW, RACK = "lin-lash-even", "lin-steering-rack"
 RACK_FORCE, REACH = 14500.0, 0.3
 #: Angles between tie rods and rack [deg] at which the contact loads are computed.
 TIE_ROD = (0.0, 6.0, 12.0, 18.0)

@@ -193,7 +193,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     """
     step("lash tests")
     scene = cache.built_in_scene(SCREW)
-    cache.record_used_scenes((RACK,))
+    cache.record_used_scenes((RACK, *steering.PATTERNS.values()))
     figures = [lash_figure(scene)]
     lash = lash_difference_rows(scene)
     step("steering gear")

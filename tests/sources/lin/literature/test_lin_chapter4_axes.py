@@ -22,16 +22,16 @@ def test_entry(key: str) -> None:
 
 @pytest.mark.parametrize("pattern", steering.PATTERNS)
 def test_patterns_keep_the_balls_apart_and_on_the_track(pattern: str) -> None:
-    scene = catalogue.scene("lin-nominal-4p1")
-    at = np.array(steering.ball_azimuths_of_pattern(scene, pattern))
-    assert at.size == scene.ball_count
+    scene = catalogue.scene(steering.PATTERNS[pattern])
+    at = np.array(scene.balls.azimuths)
+    assert at.size == scene.ball_count == 71
     path = np.hypot(scene.track.pitch_radius, scene.track.lead / (2.0 * np.pi)) * at
     assert np.diff(path).min() >= 2.0 * scene.balls.radius
     assert np.ptp(path) + 2.0 * scene.balls.radius <= 3.75 * 2.0 * np.pi * path[0] / at[0] + 1e-6
 
 
 def test_stacked_on_one_side_leaves_the_other_side_free_in_every_turn() -> None:
-    at = np.array(steering.ball_azimuths_of_pattern(catalogue.scene("lin-nominal-4p1"), "stacked on one side"))
+    at = np.array(catalogue.scene("lin-lash-one-side").balls.azimuths)
     wide = np.diff(at) > 2.0 * np.diff(at).min()
     assert wide.sum() == 4
     middles = 0.5 * (at[1:] + at[:-1])[wide]

@@ -60,7 +60,7 @@ def test_bands_of_the_ratios_hold_the_shipped_ones_and_say_what_lies_in_them(poi
 
 def test_lash_tests_are_load_curves_of_the_screw():
     """A screw without play or preload: no lash, and more displacement under more load; a direction is its opposite."""
-    screw = gear.arrange_balls_in_pattern(catalogue.scene("lin-nominal-4p1"), "half-half")
+    screw = catalogue.scene("lin-lash-half-half")
     test = gear.solve_axial_lash_test(screw, "-200N:200N:3")
     moved = [p.displacement for p in test.points]
     assert (test.lash, gear.peak_to_peak_displacement(test)) == (0.0, moved[2] - moved[0])
