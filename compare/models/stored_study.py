@@ -3,8 +3,9 @@
 A study is a section of the report, or a printed table with the values computed for it. A stored value holds for a digest
 of what moves it: the syntax trees of the modules that compute it and of all modules of the package that these import, the
 scenes and the printed numbers of publications, and the stored runs of the 3D reference. Comments and docstrings are no part
-of it. The versions of NumPy and SciPy stand beside the value and are not part of it either. A report recomputes some of the
-values that it found, which its date draws, and states how far they agree.
+of it. The versions of NumPy and SciPy stand beside the value and are not part of it either. Measured run times move only
+studies that show them. A report recomputes some of the values that it found, which its date draws, and states how far they
+agree.
 """
 
 from __future__ import annotations
@@ -39,6 +40,8 @@ T = TypeVar("T")
 FOLDER, MODULES = "studies", "modules.json"
 #: Processor time [s] of the found studies, 20 or more, that a report recomputes: as it was when they were stored.
 RECOMPUTED = 40.0
+#: Files of measured run times, within a folder of stored runs.
+TIMES = ("run_times.json", "survey-times.json", "set_up_costs.json")
 #: Difference of two numbers, over the larger one, that is round-off; and magnitude below which a number counts as zero.
 ROUND_OFF, NOTHING = 1e-6, 1e-9
 #: A number in a text.
@@ -55,6 +58,8 @@ class Study:
     modules: tuple[str, ...]
     #: Function of the report's cache that computes it.
     compute: Callable[[Any], Any]
+    #: Whether it shows measured run times.
+    shows_run_times: bool = False
 
 
 @dataclass(frozen=True)
@@ -196,15 +201,21 @@ def digest_of_inputs() -> str:
 def digest_of_runs(folders: Sequence[Path]) -> str:
     """Return a digest of the shipped tables of results and of the runs of the 3D reference in ``folders``, by their names.
 
-    The name of a run contains the digest of its inputs. Runs of scenes that are not shipped do not count, and neither does
-    what a report derives from the runs and keeps beside them.
+    The name of a run contains the digest of its inputs. Runs of scenes that are not shipped do not count, and neither do
+    measured run times and what a report derives from the runs and keeps beside them.
     """
     shipped = set(shipped_store().glob("*-level*.json"))
-    tables = sorted(set(shipped_store().glob("*.json")) - shipped)
+    tables = sorted(path for path in set(shipped_store().glob("*.json")) - shipped if path.name not in TIMES)
     runs = {path.name for folder in folders for path in folder.glob("*-level*.json")}
     known = {scene_of_run(path.name) for path in shipped} | set(shipped_toml_files("scenes"))
     counted = sorted(name for name in runs if scene_of_run(name) in known)
     return hashlib.sha256(json.dumps(counted).encode() + b"".join(path.read_bytes() for path in tables)).hexdigest()
+
+
+def digest_of_run_times(folders: Sequence[Path]) -> str:
+    """Return a digest of the measured run times that a report shows: of each file the first one in ``folders``."""
+    found = (next(filter(Path.is_file, (folder / name for folder in folders)), None) for name in TIMES)
+    return hashlib.sha256(b"".join(path.read_bytes() for path in found if path is not None)).hexdigest()
 
 
 def scene_of_run(file_name: str) -> str:
@@ -279,7 +290,9 @@ class StoredStudies:
         return None
 
     def _digest(self, study: Study) -> str:
-        what = (study.name, self._sources.digest(study.modules), digest_of_inputs(), self._runs)
+        what = [study.name, self._sources.digest(study.modules), digest_of_inputs(), self._runs]
+        if study.shows_run_times:
+            what.append(digest_of_run_times((*self.folders, shipped_store())))
         return hashlib.sha256(json.dumps(what).encode()).hexdigest()
 
     def _write(self, record: StoredStudy) -> None:

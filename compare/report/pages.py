@@ -67,9 +67,17 @@ WORDS = {
 #: Parts of the report that no publication brings.
 PLACED = (
     ReportPart("how-to-read", "reading", "sections.how_to_read", in_quick_report=True, shows_3d_runs=True),
-    ReportPart("reference", "cases", "sections.reference", in_quick_report=True, shows_3d_runs=True, needs_gmsh=True),
-    ReportPart("overview", "accuracy", "report.overview", in_quick_report=True, shows_3d_runs=True),
-    ReportPart("survey", "accuracy", "report.stability:survey_section", in_quick_report=True),
+    ReportPart(
+        "reference",
+        "cases",
+        "sections.reference",
+        in_quick_report=True,
+        shows_3d_runs=True,
+        shows_run_times=True,
+        needs_gmsh=True,
+    ),
+    ReportPart("overview", "accuracy", "report.overview", in_quick_report=True, shows_3d_runs=True, shows_run_times=True),
+    ReportPart("survey", "accuracy", "report.stability:survey_section", in_quick_report=True, shows_run_times=True),
     ReportPart("ladder", "accuracy", "sections.ladder", in_quick_report=True, shows_3d_runs=True, needs_gmsh=True),
     ReportPart("u-val", "accuracy", "sections.u_val", in_quick_report=True, shows_3d_runs=True, needs_gmsh=True),
     ReportPart("reference-mesh", "reference", "sections.reference_mesh", in_quick_report=True, shows_3d_runs=True),

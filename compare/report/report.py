@@ -126,7 +126,8 @@ def save_model_errors(cache: SceneResultCache) -> None:
 def study_of_part(part: ReportPart, step: Step) -> Study:
     """Return how the sections of one part of the report are made; ``step`` is called with each line of progress."""
     modules = (part.maker_module, *modules_for_all_scenes(), *chain.from_iterable(case.modules for case in part.cases))
-    return Study(f"section-{part.name}", modules, partial(_make_sections_of_part, part, step))
+    make = partial(_make_sections_of_part, part, step)
+    return Study(f"section-{part.name}", modules, make, part.shows_run_times)
 
 
 def sections_of_part(part: ReportPart, step: Step, cache: SceneResultCache) -> tuple[Section, ...]:

@@ -150,6 +150,17 @@ def test_runs_of_a_scene_of_the_user_do_not_count_and_those_of_a_shipped_scene_d
     assert digest_of_runs([tmp_path]) != before
 
 
+def test_measured_run_times_move_only_what_shows_them(tmp_path):
+    def computed_again(study):
+        value(cache_with(tmp_path), study)
+        return bool(CALLS)
+
+    plain, timed = replace(STUDY, name="plain"), replace(STUDY, name="timed", shows_run_times=True)
+    assert [computed_again(one) for one in (plain, timed, plain, timed)] == [True, True, False, False]
+    (tmp_path / "run_times.json").write_text("{}")
+    assert [computed_again(one) for one in (plain, timed, plain, timed)] == [False, True, False, False]
+
+
 def test_a_wrong_stored_value_is_seen_by_the_recomputation(tmp_path, monkeypatch):
     with monkeypatch.context() as planted:
         planted.setattr(SceneResultCache, "built_in_scene", lambda *_: SimpleNamespace(balls=SimpleNamespace(radius=1.0)))
