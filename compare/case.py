@@ -33,6 +33,8 @@ class ReportPart:
     in_quick_report: bool = False
     #: Whether the part shows results of runs of the 3D reference.
     shows_3d_runs: bool = False
+    #: Whether the part shows measured run times.
+    shows_run_times: bool = False
     #: Whether the whole part needs gmsh.
     needs_gmsh: bool = False
     #: Description of the contents that need gmsh, if the rest of the part does not; empty: none.
@@ -92,6 +94,8 @@ class Case:
     references: str = ""
     #: Function ``(cache)`` that returns rows of errors against published values, by quantity, for the first page.
     published_errors: str = ""
+    #: Function ``(cache)`` that returns functions that measure run times, by what they time (`compare.studies.run_times`).
+    time_jobs: str = ""
 
     @property
     def report_parts(self) -> tuple[ReportPart, ...]:
@@ -130,7 +134,7 @@ CASES = (
         "Lin (2019)",
         "rollbench.compare.cases.lin",
         parts=(
-            ReportPart("lin", "lin", "pages.tables"),
+            ReportPart("lin", "lin", "pages.tables", shows_run_times=True),
             ReportPart("cases", "lin", "pages.chapter_2:cases_section", in_quick_report=True, shows_3d_runs=True),
             ReportPart("reconstruction", "lin", "pages.reconstruction", shows_3d_runs=True),
             ReportPart("hertz", "lin", "pages.chapter_2:hertz_section"),
@@ -148,6 +152,7 @@ CASES = (
         rolling="kinds.rolling:ROLLING",
         checks="newton:check_against_energy_solver",
         formulations="newton:FORMULATIONS",
+        time_jobs="times:time_jobs",
         stability="extremes:extreme_cases_text_and_table",
     ),
     Case("smith", "Smith (1994)", "rollbench.compare.cases.smith", "page", in_first_process=True),

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Literal, cast
 
 import numpy as np
 
+from rollbench.compare.case import all_cases
 from rollbench.compare.measure import error_percent, load_error, load_scale_of_check_errors
 from rollbench.compare.models.comparison import REFERENCED, models_shown_for_scene, path_of_condensed_bodies
 from rollbench.compare.models.model import Model, ModelOptions
@@ -23,17 +25,18 @@ from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.studies.run_times import (
     COMMANDS,
     NEW,
-    TYPED,
     ColdLevelTime,
+    Measured,
+    RunTime,
     SetUpCosts,
     StoredRunTimes,
+    Timed,
     load_run_times,
     load_set_up_costs,
-    save_run_times,
+    measure_and_store,
     time_command_in_empty_home,
     time_mesh_level_in_new_process,
     time_model_in_new_process,
-    utc_date_today,
 )
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -55,6 +58,8 @@ WORK = {
     "elimination": "CPU time of the elimination of unknowns inside the bodies",
     "dense": "CPU time of the dense matrix algebra in the elimination of interior unknowns",
 }
+#: Scenes with many contacts on which mesh level 1 is timed, for its memory.
+LARGE = ("unseen-40x10", "unseen-25x5")
 #: Groups of scenes that have a figure of error against run time, by the ending of the figure's name.
 GROUPS = {
     "": "case studies without preload",
@@ -164,66 +169,63 @@ def further_solution_seconds(model: Model, scene: Scene, options: ModelOptions) 
     return float(np.median(spent[1:]))
 
 
-def measure_run_times(
-    cache: SceneResultCache, scene_names: Sequence[str], step: Step, *, with_mesh_levels: bool
-) -> StoredRunTimes:
-    """Measure the times in which all models solve the named scenes, in a new (cold) and in a running (warm) process.
+def model_time_jobs(cache: SceneResultCache, scene_names: Sequence[str]) -> dict[Timed, Callable[[], Measured]]:
+    """Return functions that time all models on scenes, in a new (cold) and in a running process (warm), by what they time.
 
-    Parameters
-    ----------
-    cache
-        Source of scenes and 3D references.
-    scene_names
-        Names of the scenes.
-    step
-        Called with each line of progress.
-    with_mesh_levels
-        Whether the mesh levels of the 3D reference are timed too.
-
-    Returns
-    -------
-    StoredRunTimes
-        Measured times, with program version, machine and date.
+    ``cache``: source of scenes and 3D references; ``scene_names``: names of the scenes.
     """
-    times, cold_levels = {}, []
-    for name, found in cache.stored_references(scene_names).items():
-        for model, bodies in models_with_body_files(name, found, cache):
-            step(f"{name}, {model.label}: cold and warm")
-            cold = time_model_in_new_process(name, model.name, condensed=bodies, repeats=1)
-            options = ModelOptions(estimate_beam_mesh_error=False, condensed_bodies_file=bodies)
-            warm = further_solution_seconds(model, cache.built_in_scene(name), options)
-            times[name, model.name] = replace(cold, warm=warm)
-        for run in stored_reference_runs(name, found, cache) if with_mesh_levels else ():
-            step(f"{name}, level {run.level} of the 3D reference, cold")
-            cold_levels.append(time_mesh_level_in_new_process(name, run.level))
-    return StoredRunTimes(store.measuring_conditions(), utc_date_today(), times, cold_levels)
+
+    def time_model(name: str, model: Model, bodies: Path | None) -> RunTime:
+        cold = time_model_in_new_process(name, model.name, condensed=bodies, repeats=1)
+        options = ModelOptions(estimate_beam_mesh_error=False, condensed_bodies_file=bodies)
+        return replace(cold, warm=further_solution_seconds(model, cache.built_in_scene(name), options))
+
+    return {
+        (name, model.name): partial(time_model, name, model, bodies)
+        for name, found in cache.stored_references(scene_names).items()
+        for model, bodies in models_with_body_files(name, found, cache)
+    }
 
 
-def measure_command_times(step: Step) -> StoredRunTimes:
-    """Measure the run times of the commands in `COMMANDS`, each started with an empty home directory, without caches.
+def level_time_jobs(cache: SceneResultCache, scene_names: Sequence[str]) -> dict[Timed, Callable[[], Measured]]:
+    """Return functions that time all stored mesh levels of scenes in new processes, by scene and mesh level.
 
-    ``step`` is called with each line of progress.
+    ``cache``: source of scenes and 3D references; ``scene_names``: names of the scenes.
     """
-    commands = []
-    for command in COMMANDS:
-        step(f"{command}, with an empty home directory")
-        commands.append(time_command_in_empty_home(command))
-    return StoredRunTimes(store.measuring_conditions(), utc_date_today(), {}, command_times=commands)
+    return {
+        (name, run.level): partial(time_mesh_level_in_new_process, name, run.level)
+        for name, found in cache.stored_references(scene_names).items()
+        for run in stored_reference_runs(name, found, cache)
+    }
+
+
+def command_time_jobs() -> dict[Timed, Callable[[], Measured]]:
+    """Return functions that time the commands in `COMMANDS`, each with an empty home directory and without caches."""
+    return {(command,): partial(time_command_in_empty_home, command) for command in COMMANDS}
+
+
+def time_jobs(cache: SceneResultCache) -> dict[Timed, Callable[[], Measured]]:
+    """Return functions that time all models on all compared scenes, mesh level 1 of `LARGE`, and what cases bring.
+
+    ``cache``: source of scenes and 3D references. The key of a function is what it times.
+    """
+    jobs = model_time_jobs(cache, list(references_of_compared_scenes(cache)))
+    jobs |= {(name, 1): partial(time_mesh_level_in_new_process, name, 1) for name in LARGE}
+    for case in all_cases():
+        jobs |= case.import_object(case.time_jobs)(cache) if case.time_jobs else {}
+    return jobs
 
 
 def run_times_to_show(cache: SceneResultCache, step: Step) -> StoredRunTimes | None:
     """Return the run times that a report shows: stored run times or, if ``cache`` asks for it, newly measured run times.
 
-    A new measurement times every model and mesh level on every compared scene (about an hour) and is written to the
-    first folder of stored runs. For a quick report only the models are timed, and nothing is stored. Returns None if no
-    times are to be measured and none are stored. ``step`` is called with each line of progress.
+    New run times, but those of commands, are measured in about an hour and stored in the first folder of stored runs.
+    Returns None if no times are to be measured and none are stored. ``step`` is called with each line of progress.
     """
+    folders = cache.reference_folders or ()
     if not cache.measures_run_times:
-        return load_run_times((*(cache.reference_folders or ()), store.shipped_store()))
-    measured = measure_run_times(cache, list(references_of_compared_scenes(cache)), step, with_mesh_levels=not cache.quick)
-    if cache.reference_folders and not cache.quick:
-        save_run_times(cache.reference_folders[0], measured)
-    return measured
+        return load_run_times((*folders, store.shipped_store()))
+    return measure_and_store(folders[0] if folders else None, store.measuring_conditions(), time_jobs(cache), step)
 
 
 def references_of_compared_scenes(cache: SceneResultCache) -> dict[str, Reference]:
@@ -572,8 +574,6 @@ def run_time_items(cache: SceneResultCache, step: Step) -> list[Table | Figure]:
     items: list[Table | Figure] = [error_and_time_table(points, run_time_conditions_sentence(cache, step))]
     if not cache.quick:
         costs = load_set_up_costs((*(cache.reference_folders or ()), store.shipped_store()))
-        items += [] if kept is None else [cold_start_time_table_of_mesh_levels(kept)]
-        commands = load_run_times((*(cache.reference_folders or ()), store.shipped_store()), TYPED)
-        items += [] if commands is None else [command_time_table(commands)]
+        items += [] if kept is None else [cold_start_time_table_of_mesh_levels(kept), command_time_table(kept)]
         items += [] if costs is None else set_up_time_tables(costs)
     return items if kept is None else [*items, run_time_ratio_table(points), *error_over_time_figures(points)]

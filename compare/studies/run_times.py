@@ -4,8 +4,8 @@ The cold time is that of a first use: a new interpreter, all imports, the set-up
 process with an empty folder for meshes. The warm time is that of a further solution in the same process, with the
 geometry prepared.
 
-A store holds the times of one measuring run, and the processor times of cold set-ups (measured by
-``tests/set_up_costs.py``), so that a report need not start every process again.
+A store holds the times of one measuring run (``rollbench bench --store FOLDER``), each stored as soon as it is measured,
+and the processor times of cold set-ups (measured by ``tests/set_up_costs.py``).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import tempfile
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from statistics import median
@@ -28,8 +28,7 @@ from time import perf_counter, time
 from typing import Any, TypeVar
 
 from rollbench.compare.files import replace_file
-from rollbench.compare.models.study import SceneResultCache
-from rollbench.compare.reference.store import UNMEASURED, MeasuringConditions, shipped_store, shows_times_of
+from rollbench.compare.reference.store import UNMEASURED, MeasuringConditions, shows_times_of
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.compare.studies.members.ensemble import solve_random_draws
 from rollbench.meshes.processes import VARIABLES
@@ -310,11 +309,26 @@ class StoredRunTimes:
     #: Date of the measurement.
     date: str
     #: Run times by names of scene and model.
-    times_by_scene_and_model: Mapping[tuple[str, str], RunTime]
+    times_by_scene_and_model: Mapping[tuple[str, str], RunTime] = field(default_factory=dict)
     #: Times of a first solution by the 3D reference on single mesh levels, in new processes.
     mesh_level_times: Sequence[ColdLevelTime] = ()
     #: Times of commands typed on a terminal.
     command_times: Sequence[CommandTime] = ()
+
+    @property
+    def timed(self) -> set[Timed]:
+        """What was timed."""
+        levels = {(one.scene, one.level) for one in self.mesh_level_times}
+        return {*self.times_by_scene_and_model, *levels, *((one.command,) for one in self.command_times)}
+
+    def with_time(self, timed: Timed, time: Measured) -> StoredRunTimes:
+        """Return these run times and one more; ``timed``: what was timed; ``time``: the time of it."""
+        if isinstance(time, ColdLevelTime):
+            return replace(self, mesh_level_times=(*self.mesh_level_times, time))
+        if isinstance(time, CommandTime):
+            return replace(self, command_times=(*self.command_times, time))
+        scene, model = timed[0], str(timed[-1])
+        return replace(self, times_by_scene_and_model={**self.times_by_scene_and_model, (scene, model): time})
 
     def __str__(self) -> str:
         """Return a sentence that states with which machine and program version, and when, the run times were measured."""
@@ -390,26 +404,8 @@ def read_from_first_valid_folder(stores: Sequence[Path], file_name: str, build_o
     return None
 
 
-#: Name that selects the times of commands typed in an empty home directory, where a publication's name would select others.
-TYPED = "typed"
-
-
-def run_times_file_name(source: str) -> str:
-    """Return the name of the JSON file that stores run times.
-
-    ``source``: name of the publication on whose page of the report the times are shown; `TYPED` for the times of commands
-    that a user types on a terminal; empty for the times of all scenes that are compared with the 3D reference.
-    """
-    return f"run_times_{source}.json" if source else RUN_TIMES
-
-
-def save_run_times(store: Path, run_times: StoredRunTimes, source: str = "") -> None:
-    """Write run times to a JSON file in a folder.
-
-    ``store``: the folder; ``run_times``: the run times; ``source``: which times these are, on which the file's name
-    depends: a publication's name, `TYPED` or empty, as in `run_times_file_name`. Raises InputError if the file cannot be
-    written.
-    """
+def save_run_times(store: Path, run_times: StoredRunTimes) -> None:
+    """Write run times to a JSON file in the folder ``store``; InputError if the file cannot be written."""
     times = sorted(run_times.times_by_scene_and_model.items())
     lists = {
         "times": [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in times],
@@ -419,24 +415,13 @@ def save_run_times(store: Path, run_times: StoredRunTimes, source: str = "") -> 
     head = json.dumps({**asdict(run_times.measuring_conditions), "date": run_times.date})
     texts = {name: ",\n ".join(map(json.dumps, rows)) for name, rows in lists.items()}  # a line for each row
     body = ", ".join(f'"{name}": [\n {text}]' for name, text in texts.items())
-    replace_file(store / run_times_file_name(source), f"{head[:-1]}, {body}}}\n")
+    replace_file(store / RUN_TIMES, f"{head[:-1]}, {body}}}\n")
 
 
-def run_times_for_report_page(cache: SceneResultCache, source: str) -> StoredRunTimes | None:
-    """Return the stored run times for a publication's page of the report, else those of all compared scenes.
-
-    ``cache``: cache of the report, which states the folders of stored results; ``source``: name of the publication. None if
-    neither is stored.
-    """
-    stores = (*(cache.reference_folders or ()), shipped_store())
-    return load_run_times(stores, source) or load_run_times(stores)
-
-
-def load_run_times(stores: Sequence[Path], source: str = "") -> StoredRunTimes | None:
+def load_run_times(stores: Sequence[Path]) -> StoredRunTimes | None:
     """Read stored run times of this version from the first folder with a valid file; None without one.
 
-    ``stores``: the folders in the order in which they are tried; ``source``: which times are read: a publication's name,
-    `TYPED` (commands typed on a terminal) or empty (all compared scenes), as in `run_times_file_name`.
+    ``stores``: the folders in the order in which they are tried.
     """
 
     def run_times_from_json(data: dict[str, Any]) -> StoredRunTimes:
@@ -449,7 +434,7 @@ def load_run_times(stores: Sequence[Path], source: str = "") -> StoredRunTimes |
         commands = tuple(CommandTime(**r) for r in data.get("typed", []))
         return StoredRunTimes(measured, data["date"], times, levels, commands)
 
-    return read_from_first_valid_folder(stores, run_times_file_name(source), run_times_from_json)
+    return read_from_first_valid_folder(stores, RUN_TIMES, run_times_from_json)
 
 
 def load_set_up_costs(stores: Sequence[Path]) -> SetUpCosts | None:
@@ -523,6 +508,52 @@ class CommandTime:
         beside = f"beside a busy process {self.beside:.3g} s ({self.beside_cpu:.3g} CPU)"
         note = f"wall clock of the process; {first}CPU {self.cpu:.3g} s; {again}; {beside}"
         return RunTimeRow(name, self.seconds, note=note)
+
+
+#: What is timed: scene and model, scene and mesh level of the 3D reference, or a command.
+Timed = tuple[str, str] | tuple[str, int] | tuple[str]
+#: Time of it, as it is measured.
+Measured = RunTime | ColdLevelTime | CommandTime
+
+
+def measure_and_store(
+    store: Path | None,
+    conditions: MeasuringConditions,
+    jobs: Mapping[Timed, Callable[[], Measured]],
+    show_progress: Callable[[str], None],
+) -> StoredRunTimes:
+    """Measure run times one after the other, each stored when it is measured, and return them.
+
+    Parameters
+    ----------
+    store
+        Folder in which the times are stored; times there of the same conditions are not measured again. None: not stored.
+    conditions
+        Conditions of the measurement.
+    jobs
+        Function that measures a time, by what is timed.
+    show_progress
+        Called with a line of progress before each measurement.
+
+    Returns
+    -------
+    StoredRunTimes
+        All measured and stored times.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    stored = None if store is None else load_run_times((store,))
+    found = stored if stored and stored.measuring_conditions == conditions else StoredRunTimes(conditions, utc_date_today())
+    left = {timed: measure for timed, measure in jobs.items() if timed not in found.timed}
+    for number, (timed, measure) in enumerate(left.items(), 1):
+        show_progress(f"[{number}/{len(left)}] {', '.join(map(str, timed))}")
+        found = found.with_time(timed, measure())
+        if store is not None:
+            save_run_times(store, found)
+    return found
 
 
 def time_command_in_empty_home(command: str) -> CommandTime:

@@ -1,21 +1,20 @@
 """Run times of the models, compared with those printed in Tables 2.2, 3.5 and 3.7 of Lin's thesis.
 
-``rollbench bench --source lin --store FOLDER`` measures and stores all these times. A cold run is made in a new process
-with empty caches, and its time includes imports. A further run is the next load case in the same process.
+``rollbench bench --store FOLDER`` measures and stores all these times. A cold run is made in a new process with empty
+caches, and its time includes imports. A further run is the next load case in the same process.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
 
-from rollbench.compare.models.model import ModelOptions
-from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import SceneResultCache
-from rollbench.compare.reference.store import measuring_conditions
-from rollbench.compare.sections.reference_time import further_solution_seconds
-from rollbench.compare.studies import run_times
+from rollbench.compare.running import show_progress_message
+from rollbench.compare.sections.reference_time import level_time_jobs, run_times_to_show
 from rollbench.compare.studies.rolling.runs import LEVELS
+from rollbench.compare.studies.run_times import Measured, Timed, time_call_in_new_process
 
 #: Scenes of the case studies of Table 2.2, by number; scenes of Tables 3.5 and 3.7, by case.
 STATIC = {1: "lin-case1", 2: "lin-case2", 3: "lin-case3-offset"}
@@ -37,32 +36,19 @@ CALLS = {
 }
 
 
-def measure_run_times(cache: SceneResultCache, step: Callable[[str], None]) -> run_times.StoredRunTimes:
-    """Measure all run times that are compared with those printed in the tables of Lin's thesis.
+def time_jobs(cache: SceneResultCache) -> dict[Timed, Callable[[], Measured]]:
+    """Return functions that measure further run times that are compared with those printed in Lin's thesis.
 
-    This takes ten to fifteen minutes on two idle cores. ``cache``: gives solved scenes and stored 3D references; ``step``:
-    function that receives a message before each measurement. Returns the times with the conditions of measurement, to be
-    stored.
+    They time each mesh level of the 3D reference on the case studies, and two balls between grooves by each model.
+    ``cache``: gives stored 3D references. The key of a function is what it times.
     """
-    times: dict[tuple[str, str], run_times.RunTime] = {}
-    levels: list[run_times.ColdLevelTime] = []
-    for name in STATIC.values():
-        step(f"{name}, source's model: cold and further")
-        cold, model = run_times.time_model_in_new_process(name, "lin", repeats=1), MODELS["lin"]
-        options = ModelOptions(estimate_beam_mesh_error=False)
-        further = further_solution_seconds(model, cache.built_in_scene(name), options)
-        times[name, "lin"] = replace(cold, warm=further)
-        found = cache.stored_reference(name)
-        if found is not None:
-            step(f"{name}, level {found.best.level} of the 3D reference: cold and a further load case")
-            levels.append(run_times.time_mesh_level_in_new_process(name, found.best.level))
+    jobs = level_time_jobs(cache, tuple(STATIC.values()))
     for name in (*LINEAR.values(), *SCREW.values()):
         for way, (imports, call) in CALLS.items():
             if way != "formula" or name in LINEAR.values():
-                step(f"{name}, {way}: cold and further")
                 words = call.format(name=name, mated=name == LINEAR["b"], level=max(LEVELS))
-                times[name, way] = run_times.time_call_in_new_process(imports, words, f"{way} of {name}")
-    return run_times.StoredRunTimes(measuring_conditions(), run_times.utc_date_today(), times, levels)
+                jobs[name, way] = partial(time_call_in_new_process, imports, words, f"{way} of {name}")
+    return jobs
 
 
 @dataclass(frozen=True)
@@ -83,7 +69,7 @@ def stored_run_times(cache: SceneResultCache, name: str, model: str) -> ModelRun
     ``name``: name of the scene; ``model``: model, "lin" (static model), "numerical" (friction model of two balls),
     "formula" (Lin's formula for two balls) or "3D". ``cache``: gives solved scenes and stored 3D results.
     """
-    kept = cache.compute_once(run_times.run_times_for_report_page, "lin")
+    kept = cache.compute_once(run_times_to_show, show_progress_message)
     found = cache.stored_reference(name) if name in STATIC.values() and model == "3D" else None
     if found is not None:
         for level in () if kept is None else kept.mesh_level_times:

@@ -2,13 +2,12 @@
 
 import pytest
 
-from rollbench.compare.cases.lin import times
-from rollbench.compare.commands import bench
+from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.store import measuring_conditions
 from rollbench.compare.sections import reference_time
-from rollbench.compare.studies import run_times
-from rollbench.compare.studies.run_times import load_run_times
+from rollbench.compare.studies import run_times, survey_models
+from rollbench.compare.studies.run_times import ColdLevelTime, load_run_times
 
 
 def test_a_process_is_launched_as_a_users_without_threads_set(monkeypatch, tmp_path):
@@ -30,25 +29,36 @@ def test_a_command_is_timed_from_an_empty_home_again_and_beside_a_busy_process()
 
 
 @pytest.fixture
-def kept(monkeypatch):
-    """Known times, in place of times that are measured."""
-    times_of_models = {("lin-case1", "lin"): run_times.RunTime(0.4, 1e-3, 99.0)}
-    levels = (run_times.ColdLevelTime(4, 60.0, 118.0, None, "converged", "lin-case1", 64, 0.9),)
-    found = run_times.StoredRunTimes(measuring_conditions(), "2026-01-02", times_of_models, levels)
-    monkeypatch.setattr(reference_time, "measure_run_times", lambda *_, **__: found)
-    monkeypatch.setattr(reference_time, "COMMANDS", ())
-    monkeypatch.setattr(run_times, "time_ensemble", lambda: run_times.RunTimeRow("members", 1.0))
-    return found
-
-
-@pytest.mark.usefixtures("kept")
-def test_times_of_typed_commands_are_kept_for_the_report(monkeypatch, tmp_path, command):
+def quick(monkeypatch):
+    """One model, one command and no drawn screw in place of all that is timed; no ensemble."""
+    monkeypatch.setattr(reference_time, "REFERENCED", ("lin-case1",))
+    monkeypatch.setattr(reference_time, "UNSEEN", ())
+    monkeypatch.setattr(reference_time, "LARGE", ())
+    monkeypatch.setattr(reference_time, "all_cases", tuple)
+    monkeypatch.setattr(reference_time, "models_with_body_files", lambda *_: [(MODELS["mei"], None)])
     monkeypatch.setattr(reference_time, "COMMANDS", ("schema --help",))
-    command.answer("bench", "--store", tmp_path)
-    typed = load_run_times([tmp_path], run_times.TYPED)
-    (row,), (one,) = reference_time.command_time_table(typed).rows, typed.command_times
+    monkeypatch.setattr(survey_models, "COUNT", 0)
+    monkeypatch.setattr(survey_models.time_models_and_levels_on_screws, "__defaults__", (0,))
+    monkeypatch.setattr(run_times, "time_ensemble", lambda: run_times.RunTimeRow("members", 1.0))
+
+
+@pytest.mark.usefixtures("quick")
+def test_a_stored_run_times_models_and_commands_for_the_report(tmp_path, command):
+    rows = {row["job"]: row for row in command.answer("bench", "--store", tmp_path)}
+    kept = load_run_times([tmp_path])
+    (row,), (one,) = reference_time.command_time_table(kept).rows, kept.command_times
     assert (row["command"], row["run_time_empty_home"], one.note) == ("schema --help", one.seconds, "")
-    assert load_run_times([tmp_path]) is None
+    time = kept.times_by_scene_and_model["lin-case1", "mei"]
+    assert rows["lin-case1: mei"]["seconds"] == time.cold > time.warm > 0.0
+    assert kept.measuring_conditions == measuring_conditions()
+
+
+def test_what_is_timed_for_the_report(monkeypatch):
+    monkeypatch.setattr(reference_time, "REFERENCED", ("lin-case1",))
+    monkeypatch.setattr(reference_time, "UNSEEN", ("unseen-16x5",))
+    jobs = reference_time.time_jobs(SceneResultCache())
+    assert {("lin-case1", level) for level in range(5)} <= jobs.keys()
+    assert {("lin-case1", "lin"), ("lin-case2", 4), ("lin-pair-a", "formula"), ("unseen-16x5", "refined")} <= jobs.keys()
 
 
 def test_an_ensemble_is_timed(monkeypatch):
@@ -58,23 +68,22 @@ def test_an_ensemble_is_timed(monkeypatch):
     assert row.seconds > 0.0
 
 
-def test_models_are_listed_with_errors_beside_their_run_times(kept, tmp_path, command):
-    rows = {row["job"]: row for row in command.answer("bench", "lin-case1")}
+@pytest.mark.usefixtures("quick")
+def test_models_are_listed_with_errors_beside_their_run_times(monkeypatch, command):
+    monkeypatch.setattr(
+        reference_time,
+        "time_mesh_level_in_new_process",
+        lambda scene, level: ColdLevelTime(level, 60.0, 118.0, None, "converged", scene, 64, 0.9),
+    )
+    rows = {row["job"]: row for row in command.answer("bench", "lin-case1", "--long")}
     study = SceneResultCache()
-    study.computed_values[reference_time.run_times_to_show, print] = kept
     points = reference_time.error_and_time_points("lin-case1", study.stored_reference("lin-case1"), study, print)
-    timed = {f"lin-case1: {p.label}": p for p in points if p.cold is not None}
-    assert timed
-    assert rows.keys() == {"members", *timed}
-    for name, p in timed.items():
-        assert (rows[name]["seconds"], rows[name]["error_percent"]) == (p.cold, pytest.approx(p.error))
-    command.answer("bench", "--long", "--store", tmp_path)
-    assert load_run_times([tmp_path]) == kept
+    assert rows.keys() == {"members", *(f"lin-case1: {p.label}" for p in points)}
+    for p in points:
+        row = rows[f"lin-case1: {p.label}"]
+        assert row["error_percent"] == pytest.approx(p.error)
+        assert (row["seconds"] == 60.0) == (p.kind != "model")
 
 
-def test_times_of_a_publication_are_listed_as_they_were_stored(kept, monkeypatch, tmp_path):
-    monkeypatch.setattr(times, "measure_run_times", lambda *_: kept)
-    rows = bench.measure_publication_times("lin", tmp_path).data
-    cold = [one.cold for one in kept.times_by_scene_and_model.values()]
-    assert [row["seconds"] for row in rows] == [*cold, *(one.process for one in kept.mesh_level_times)]
-    assert load_run_times((tmp_path,), "lin") == kept
+def test_a_stored_run_takes_no_scenes(command):
+    assert "--store" in command.refused("bench", "lin-case1", "--store", "x")

@@ -45,10 +45,40 @@ def test_what_is_saved_is_read_with_what_it_was_measured_with(tmp_path):
     assert kept_times.load_run_times([tmp_path]) is None
 
 
+def test_a_measuring_run_goes_on_where_it_stopped(tmp_path):
+    typed, tried = kept_times.CommandTime("list", 0.5), []
+
+    def time_of(name, time):
+        def measure():
+            tried.append(name)
+            if time is None:
+                raise KeyboardInterrupt
+            return time
+
+        return measure
+
+    jobs = {
+        ("lin-case1", "lin"): time_of("model", kept_times.RunTime(0.4, 1e-3, 99.0)),
+        ("lin-case1", 4): time_of("level", KEPT.mesh_level_times[0]),
+        ("list",): time_of("stopped", None),
+    }
+    with pytest.raises(KeyboardInterrupt):
+        kept_times.measure_and_store(tmp_path, measuring_conditions(), jobs, quiet)
+    jobs["list",] = time_of("command", typed)
+    found = kept_times.measure_and_store(tmp_path, measuring_conditions(), jobs, quiet)
+    assert tried == ["model", "level", "stopped", "command"]
+    assert found == kept_times.load_run_times([tmp_path])
+    assert (found.timed, found.command_times) == (set(jobs), (typed,))
+
+    other = replace(measuring_conditions(), machine="another")
+    again = kept_times.measure_and_store(tmp_path, other, jobs, quiet)
+    assert tried[4:] == ["model", "level", "command"], "times of another machine are not mixed with these"
+    assert again.measuring_conditions == other
+
+
 def test_a_planted_older_time_is_not_shown(tmp_path):
-    for source in ("", "lin", kept_times.TYPED):
-        kept_times.save_run_times(tmp_path, OLD, source)
-        assert kept_times.load_run_times([tmp_path], source) is None
+    kept_times.save_run_times(tmp_path, OLD)
+    assert kept_times.load_run_times([tmp_path]) is None
     costs = {"machine": "a machine", "date": "2026-01-02", "jobs": [], "ways": []}
     for version, found in (("0.7.0", False), (measuring_conditions().version, True)):
         (tmp_path / kept_times.SET_UP_COSTS).write_text(json.dumps(costs | {"version": version}))

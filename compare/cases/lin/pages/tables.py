@@ -18,13 +18,14 @@ from rollbench.compare.printed import VERDICT_NAMES, printed_entry, printed_tabl
 from rollbench.compare.reference.convergence import relative_cell_size
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import UNMEASURED, load_stored_run, shipped_store
+from rollbench.compare.running import show_progress_message
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as case_of
 from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.sections import source_tables
 from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel
+from rollbench.compare.sections.reference_time import run_times_to_show
 from rollbench.compare.sections.verdicts import printed_numbers_table
 from rollbench.compare.studies.rolling import runs as rolling
-from rollbench.compare.studies.run_times import run_times_for_report_page
 from rollbench.meshes.section import nodes_of_whole_beam
 from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
 
@@ -463,7 +464,7 @@ def case_study_answer_table(cache: SceneResultCache) -> Table:
     note = (
         "Found: against the 3D reference; the right end of case 3 is held as the text says. Table lin-answers has the "
         f"loads, errors in per cent of the mean load, and the other reading of case 3. Printed run times: {MACHINE}. "
-        f"{cache.compute_once(run_times_for_report_page, 'lin') or UNMEASURED}"
+        f"{cache.compute_once(run_times_to_show, show_progress_message) or UNMEASURED}"
     )
     title = "Lin's case studies: load error and run time of Lin's model, as printed and as found"
     return Table.from_rows("lin-answer", title, rows, note)
@@ -576,7 +577,7 @@ def printed_table_section(
 
 def run_times_note(cache: SceneResultCache) -> str:
     """Return the note on how printed and measured run times were obtained; ``cache``: gives stored run times."""
-    kept = cache.compute_once(run_times_for_report_page, "lin")
+    kept = cache.compute_once(run_times_to_show, show_progress_message)
     return (
         f"Printed: {MACHINE}. Computed here, cold start: a new process with empty caches, imports included; further load "
         f"case: the next one in that process; ANSYS rows: this package's 3D model. {kept or UNMEASURED}"
