@@ -835,8 +835,8 @@ def table(
 
 
 @limited_to_one_thread()
-def survey(model: str | Sequence[str], *, count: int = 300, max_error: float = 7.0, workers: int | None = None) -> Survey:
-    """Compare models with stored loads of the 3D reference on up to 300 random ball screws.
+def survey(model: str | Sequence[str], *, count: int = 360, max_error: float = 7.0, workers: int | None = None) -> Survey:
+    """Compare models with stored loads of the 3D reference on up to 360 random ball screws.
 
     Parameters
     ----------
@@ -844,7 +844,7 @@ def survey(model: str | Sequence[str], *, count: int = 300, max_error: float = 7
         Name of a model, the model that `model_command` returns, or a list of these. Stored results of the models refined
         and lin are always added for comparison.
     count
-        Number of screws to solve, counted from the first of the 300. Their dimensions are within the range of catalogues.
+        Number of screws to solve, counted from the first of the 360. Their dimensions are within the range of catalogues.
     max_error
         Largest error that passes [% of the mean contact load].
     workers

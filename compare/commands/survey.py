@@ -1,6 +1,6 @@
 """Commands ``survey`` and ``stability``: solve many scenes that test the models and the solvers.
 
-``survey`` measures the errors of a model on 300 randomly drawn ball screws with stored 3D references. ``stability`` solves
+``survey`` measures the errors of a model on 360 randomly drawn ball screws with stored 3D references. ``stability`` solves
 extreme scenes to find failures of the solvers; it also draws the ball screws and solves their 3D references.
 """
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 def survey(
     *,
     model: Names = None,
-    count: int = 300,
+    count: int = 360,
     max_error: float = 7.0,
     screw: int | None = None,
     out: Path = Path(),
@@ -38,7 +38,7 @@ def survey(
     as_json: Json = False,
     program: ProgramOptions | None = None,
 ) -> int:
-    """Measure the errors of a model on 300 typical ball screws, for which runs of the 3D reference are stored.
+    """Measure the errors of a model on 360 typical ball screws, for which runs of the 3D reference are stored.
 
     The dimensions of the screws were drawn at random within the range of catalogues. Only the model is computed. Prints a
     table that also has the models of rollbench, and writes the results for every screw (CSV) and a figure. Exit code 1 if
@@ -49,7 +49,7 @@ def survey(
     model
         Names of models (rollbench list shows all), or models of an installed package.
     count
-        Number of screws to solve, counted from the first. Default: all 300.
+        Number of screws to solve, counted from the first. Default: all 360.
     max_error
         Largest permitted error of the contact loads for the verdicts, in per cent, as in rollbench check.
     screw
@@ -143,11 +143,11 @@ def _errors_on_screws_drawn_later(models: Mapping[str, Sequence[Mapping[str, Any
     """
     import numpy as np
 
-    from rollbench.compare.models.applicability import KNOWN_SCREWS
     from rollbench.compare.models.programs import model_title
+    from rollbench.compare.studies.survey import SCENES
 
     for name, rows in models.items():
-        sizes = [float(r["largest_percent"]) for r in rows if r["screw"] >= KNOWN_SCREWS and "largest_percent" in r]
+        sizes = [float(r["largest_percent"]) for r in rows if r["screw"] >= SCENES and "largest_percent" in r]
         if sizes:
             yield (
                 f"on {len(sizes)} screws drawn after refined and lin last changed, error of {model_title(name)} on the "
@@ -203,7 +203,7 @@ def solve_drawn_screws(
 ) -> CommandOutput:
     """Compute the 3D reference of randomly drawn screws, and return the errors of the models on them and the failures.
 
-    ``count``: number of screws, counted from the first. ``kind``: their kind, ball screw or double nut.
+    ``count``: number of screws, counted from the first. ``kind``: their kind, a key of `survey.KINDS`.
 
     ``folder``: folder in which each solved screw is stored. ``workers``: number of screws solved in parallel. ``keep``:
     file for the results that the report reads; None: it is not written. The exit code is 1 if a screw has no result. Raises
@@ -257,7 +257,7 @@ def stability(
     ----------
     survey
         Number of screws to solve, whose dimensions are drawn at random within the range of catalogues; the report uses
-        300, and 24 double nuts.
+        300, 60 new screws of another seed, and 24 double nuts.
     kind
         Kind of the screws: ball-screw (default) or double-nut.
     out

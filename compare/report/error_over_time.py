@@ -11,7 +11,7 @@ from rollbench.compare.models.comparison import RULE
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.reference.store import UNMEASURED, shipped_store, shows_times_of
-from rollbench.compare.studies.survey_models import TIMED, LoadErrorsAndTimes, errors_and_times, load_timed_runs
+from rollbench.compare.studies.survey_models import JUDGE, LoadErrorsAndTimes, errors_and_times, load_timed_runs
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Figure, Panel, Row, Series, Table, Text
 
@@ -40,6 +40,11 @@ def measured_on_drawn_screws(cache: SceneResultCache) -> list[LoadErrorsAndTimes
     return errors_and_times(kept.runs) if kept and shows_times_of(kept.measuring_conditions.version) else []
 
 
+def number_of_screws(found: Sequence[LoadErrorsAndTimes]) -> int:
+    """Return the number of screws on which models and mesh levels were timed, of errors and times of each."""
+    return next(s.first_case_seconds.size for s in found if s.name == JUDGE)
+
+
 def error_over_time_panel(found: Sequence[LoadErrorsAndTimes], time_kind: str = "new screw") -> Panel:
     """Return the panel of largest contact-load errors of models and 3D mesh levels over processor time, on random screws.
 
@@ -55,8 +60,9 @@ def error_over_time_panel(found: Sequence[LoadErrorsAndTimes], time_kind: str = 
     times = [float(np.median(s.first_case_seconds if new else s.further_case_seconds)) for s in judged]
     errors = [float(np.median(s.gate_errors)) for s in judged]
     bars = errors, [float(s.gate_errors.max()) for s in judged]
-    names = [s.name for s in judged]
-    label = f"{found[-1].first_case_seconds.size} drawn screws"
+    fewer = [s.gate_errors.size < s.first_case_seconds.size for s in judged]
+    names = [f"{s.name} ({s.gate_errors.size} screws)" if few else s.name for s, few in zip(judged, fewer, strict=True)]
+    label = f"{number_of_screws(found)} drawn screws"
     series = [Series(label, times, errors, "markers", bold=True, error_bars=bars, point_labels=names)]
     edge: list[tuple[float, float]] = []
     for x, y in sorted(zip(times, errors, strict=True)):
@@ -87,7 +93,7 @@ def run_time_sentence(found: Sequence[LoadErrorsAndTimes]) -> str:
     medians = {s.name: float(np.median(s.first_case_seconds)) for s in found}
     ours = ", ".join(f"{medians[name]:.2g} s by {name}" for name in SHOWN)
     return (
-        f"A new screw takes {ours} (median processor time on {found[-1].first_case_seconds.size} drawn screws, without "
+        f"A new screw takes {ours} (median processor time on {number_of_screws(found)} drawn screws, without "
         f"start and imports of Python). Lin's thesis prints {printed_value('lin-2.2', 'time_proposed_1'):g} s for its "
         f"model and {ansys_seconds() / 3600.0:.3g} h for ANSYS on its first case study."
     )
@@ -96,8 +102,9 @@ def run_time_sentence(found: Sequence[LoadErrorsAndTimes]) -> str:
 def caption_of_panel(found: Sequence[LoadErrorsAndTimes]) -> str:
     """Return the words that explain `error_over_time_panel`."""
     return (
-        f"Markers: median of the largest error on a screw, {RULE}, against {TIMED[-1]}; bars: up to the largest on "
-        f"{found[-1].first_case_seconds.size} screws drawn at random. Horizontal line: {LIMIT:g} %, the default limit of "
+        f"Markers: median of the largest error on a screw, {RULE}, against {JUDGE} (this one: against the next level); "
+        f"bars: up to the largest on {number_of_screws(found)} screws drawn at random. Horizontal line: {LIMIT:g} %, the "
+        "default limit of "
         "rollbench check. Lin's thesis: errors of its model against ANSYS, and run times, that it prints; vertical line: "
         "its run time of ANSYS."
     )
@@ -111,12 +118,14 @@ def error_and_time_items(cache: SceneResultCache) -> tuple[Text | Table | Figure
     found = measured_on_drawn_screws(cache)
     if not found:
         return (Text((UNMEASURED,)),)
-    screws = found[-1].first_case_seconds.size
-    fewer = {s.name: screws - s.first_case_seconds.size for s in found if s.first_case_seconds.size < screws}
+    screws, models = number_of_screws(found), [s for s in found if s.judge == JUDGE]
+    fewer = {s.name: screws - s.first_case_seconds.size for s in models if s.first_case_seconds.size < screws}
+    finest = {s.judge: s.gate_errors.size for s in found if s.name == JUDGE and s.gate_errors.size}
+    own = "".join(f", those of {JUDGE} from {name} on {count} screws" for name, count in finest.items())
     failed = "".join(f"; {name} fails on {count} of them" for name, count in fewer.items())
     about = (
         f"All models and mesh levels were run on the same {screws} of the drawn screws, chosen with a fixed seed{failed}. "
-        f"Errors are differences from {TIMED[-1]}, whose own error is not known from these runs. {TIMES}"
+        f"Errors are differences from {JUDGE}{own or ', whose own error is not known from these runs'}. {TIMES}"
     )
     rows: list[Row] = [
         {
@@ -126,7 +135,7 @@ def error_and_time_items(cache: SceneResultCache) -> tuple[Text | Table | Figure
         }
         for s in found
     ]
-    coarse = found[-2]
+    coarse = models[-1]
     title = (
         f"Largest difference of a contact load between mesh levels 1 and 2 on a drawn screw: median "
         f"{_percentile(coarse.gate_errors, 50):.2f} %; level 1 takes "

@@ -276,8 +276,8 @@ def errors_on_screws_drawn_later_text() -> str:
     if not texts:
         return ""
     return (
-        f"Largest error of a contact load on {found[DEFAULT].screw_count} screws with a flanged nut, drawn after the "
-        f"models last changed and solved once. {'. '.join(texts)}."
+        f"Largest error of a contact load on {found[DEFAULT].screw_count} screws drawn after the models last changed and "
+        f"solved once. {'. '.join(texts)}."
     )
 
 

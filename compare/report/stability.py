@@ -113,10 +113,10 @@ def _items_on_screws_drawn_later(
     if not screws_drawn_later:
         return ()
     about = (
-        "The screws drawn later are of the same seed, all with a nut fixed at its flange. They were compared once, after "
-        "the last change of the models; their errors are those of a new screw of this kind. The last column counts by the "
-        "error to expect as it was estimated then, from the screws drawn before by leave-one-out. The error to expect is "
-        "now calibrated by split conformal prediction, with the screws drawn later among the calibrating ones."
+        f"The screws drawn later are of another seed, {survey.NEW_TUBES} with a tube as nut, others with a flange. They "
+        "were compared once, after the last change of the models, and nothing was fitted or calibrated with them; their "
+        "errors are those of a new screw. The last column counts by the error to expect, as the program gives it for a "
+        "new screw."
     )
     groups = {"drawn before the last change": screws_known_before, "drawn later": screws_drawn_later}
     rows: list[Row] = []

@@ -20,7 +20,7 @@ from rollbench.compare import __version__
 from rollbench.compare.errors import InputError, one_line
 from rollbench.compare.measure import load_error
 from rollbench.compare.models import many, model_form
-from rollbench.compare.models.applicability import DESCRIPTORS, DOUBLE_NUT_SURVEY, KNOWN_SCREWS, SURVEY
+from rollbench.compare.models.applicability import DESCRIPTORS, DOUBLE_NUT_SURVEY, NEW_SURVEY, SURVEY
 from rollbench.compare.models.comparison import (
     SceneWithReference,
     references_from_runs,
@@ -47,11 +47,17 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import dimensions_of_3d_parts
 from rollbench.meshes.units import toml_text
 
-#: Seed of the survey.
-SEED = 20360
+#: Seed of the survey; seed of the screws that were drawn after the last change of the models.
+SEED, NEW_SEED = 20360, 20261130
 
 #: Number of screws whose nut is a tube without flange, which are drawn first, and number of all screws.
 TUBES, SCENES = 200, 300
+
+#: Of the screws that were drawn after the last change, number with a tube, which come first, and number of all.
+NEW_TUBES, NEW_SCENES = 40, 60
+
+#: Number of all drawn screws.
+DRAWN = SCENES + NEW_SCENES
 
 #: Nominal diameters with their leads [mm].
 SIZES = {
@@ -107,8 +113,11 @@ def random_screw_scene_text(seed: int, number: int) -> str:
     """Return the scene file (TOML text) of one randomly drawn ball screw, which depends on seed and number only.
 
     ``seed``: seed of the survey; ``number``: number of the screw, from 0. Up to number `TUBES` - 1 the nut is a plain tube;
-    from `TUBES` on it has a flange.
+    from `TUBES` on it has a flange. From `SCENES` on the screws are drawn with `NEW_SEED`: `NEW_TUBES` tubes, then flanges.
     """
+    flange, new = number >= TUBES, number - SCENES
+    if new >= 0:
+        seed, number, flange = NEW_SEED, new, new >= NEW_TUBES
     rng = np.random.default_rng([seed, number])
     outer = int(rng.choice(list(SIZES)))
     lead = int(rng.choice(SIZES[outer]))
@@ -153,7 +162,7 @@ def random_screw_scene_text(seed: int, number: int) -> str:
     scene["loads"] = _draw_loads(rng, force, pitch / 2.0, scene["nut"]["position"])
     nut_length = _draw_nut_length(scene, rng)
     scene["nut"]["length"] = f"{nut_length:.3f} mm"
-    if number >= TUBES:
+    if flange:
         del scene["solid"]
         scene["title"] += ", flange"
         scene["nut"] |= _draw_flange(rng, nut_length, outside)
@@ -401,6 +410,8 @@ class DrawnKind(NamedTuple):
     scenes: int
     #: Name of the file with the records.
     file: str
+    #: Number of the first scene.
+    first: int = 0
 
     @property
     def loads(self) -> str:
@@ -411,6 +422,7 @@ class DrawnKind(NamedTuple):
 #: Kinds of scenes of the survey.
 KINDS = {
     "ball screw": DrawnKind("survey", random_screw_scene_text, SCENES, SURVEY),
+    "new screw": DrawnKind("survey", random_screw_scene_text, NEW_SCENES, NEW_SURVEY, SCENES),
     "double nut": DrawnKind("double-nut", random_double_nut_scene_text, DOUBLE_NUTS, DOUBLE_NUT_SURVEY),
 }
 
@@ -763,17 +775,18 @@ def solve_screws_of_survey(
         If the folder belongs to another survey, or another process works in it.
     """
     asked = {"survey": seed, "level": LEVEL, "version": __version__} | ({} if kind == "ball screw" else {"kind": kind})
+    numbers = range(KINDS[kind].first, KINDS[kind].first + count)
     kept = {record["number"]: record for record in _valid_records_in_file(record_file, seed) if _has_loads(record)}
-    known = {number: kept[number] for number in range(count) if number in kept}
+    known = {number: kept[number] for number in numbers if number in kept}
     if known:
         show_progress(f"{len(known)} scenes of {count} are known")
-    left = {number: (seed, number, folder / "runs", kind) for number in range(count) if number not in known}
+    left = {number: (seed, number, folder / "runs", kind) for number in numbers if number not in known}
     stored = many.StoredIn(folder, asked, "out", _has_loads)
     engine = ComputingSettings(parallel_jobs=workers)
     for number, record in many.solve_many(survey_screw, left, engine, show_progress, stored=stored):
         known[number] = record
         show_progress(f"[{len(known)}/{count}] scene {number}: {record['status']}, {record['seconds']:.0f} s")
-    return [known[number] for number in range(count)]
+    return [known[number] for number in numbers]
 
 
 def _valid_records_in_file(path: Path | None, seed: int) -> list[Record]:
@@ -815,7 +828,7 @@ def records_without_converged_loads(records: Sequence[Record]) -> list[Record]:
 
 def survey_records_as_json(seed: int, records: Sequence[Record], kind: str = "ball screw") -> str:
     """Return the records of a survey as JSON text, one screw per line after the numbers of requested and solved screws."""
-    asked = 1 + max((r["number"] for r in records), default=-1)
+    asked = 1 + max((r["number"] - KINDS[kind].first for r in records), default=-1)
     of = "" if kind == "ball screw" else f" --kind {kind.replace(' ', '-')}"
     head = {"command": f"rollbench stability --survey {asked}{of}", "seed": seed, "level": LEVEL, "solved": len(records)}
     rows = ",\n".join(json.dumps(r, ensure_ascii=False) for r in records)
@@ -833,13 +846,20 @@ def built_in_survey(kind: str = "ball screw") -> dict[str, Any]:
 
 
 def records_of_screws_known_before() -> list[Record]:
-    """Return the stored records of the first `KNOWN_SCREWS` screws, which were known when the models were last changed."""
-    return [record for record in built_in_survey()["scenes"] if record["number"] < KNOWN_SCREWS]
+    """Return the stored records of the screws that were known when the models were last changed."""
+    known: list[Record] = built_in_survey()["scenes"]
+    return known
 
 
 def records_of_screws_drawn_later() -> list[Record]:
     """Return the stored records of the screws that were drawn and compared once, after the last change of the models."""
-    return [record for record in built_in_survey()["scenes"] if record["number"] >= KNOWN_SCREWS]
+    new: list[Record] = built_in_survey("new screw")["scenes"]
+    return new
+
+
+def records_of_all_screws() -> list[Record]:
+    """Return the stored records of all drawn screws, in the order of their numbers."""
+    return [*records_of_screws_known_before(), *records_of_screws_drawn_later()]
 
 
 #: Aims for the errors of the refined model on random screws: of the worst contact, and root mean square [% of the mean

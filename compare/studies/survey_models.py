@@ -4,8 +4,9 @@ The contact loads of the survey's runs are stored next to its record (`store_ref
 screw. If the digest differs from that of the screw that is drawn now, the model is not judged on this screw.
 
 The stored loads are those of mesh level 1, which has errors of its own. On `COUNT` of the screws, chosen by a seed, all
-models and mesh levels 1 and 2 are timed; level 2 judges the others. Measured are processor times of one process with one
-thread: for a new screw from the set-up to the contact loads, and for a further load case.
+models and mesh levels 1 and 2 are timed; level 2 judges the others, and on some of them level 3 judges level 2. Measured
+are processor times of one process with one thread: for a new screw from the set-up to the contact loads, and for a further
+load case.
 """
 
 from __future__ import annotations
@@ -27,7 +28,6 @@ from rollbench.compare.files import replace_file, shipped_path
 from rollbench.compare.gate.user import loads_as_run_record
 from rollbench.compare.gate.verdict import LIMIT, ErrorLimits, judge_contact_loads
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.applicability import KNOWN_SCREWS
 from rollbench.compare.models.loads_file import load_rows_for_csv
 from rollbench.compare.models.many import solve_many
 from rollbench.compare.models.model import ModelOptions
@@ -84,7 +84,7 @@ def store_reference_loads(path: Path, run_folder: Path, count: int, kind: str = 
     file cannot be written.
     """
     before = _read_reference_loads(path)
-    for number in range(count):
+    for number in range(survey.KINDS[kind].first, survey.KINDS[kind].first + count):
         text, name = survey.KINDS[kind].scene_text(survey.SEED, number), f"{survey.KINDS[kind].name}-{survey.SEED}-{number}"
         scene, _ = survey.scenes_under_given_and_raised_loads(text, name)
         run = survey.stored_run(run_folder, scene)
@@ -119,7 +119,11 @@ def _read_reference_loads(path: Path) -> dict[int, Row]:
 @cache
 def stored_loads() -> dict[int, Row]:
     """Return the contact loads by the 3D reference on random screws, stored in the package, by number of the screw."""
-    return _read_reference_loads(shipped_path(f"references/{survey.KINDS['ball screw'].loads}"))
+    files = (survey.KINDS[kind].loads for kind in ("ball screw", "new screw"))
+    found = dict[int, Row]()
+    for file in files:
+        found |= _read_reference_loads(shipped_path(f"references/{file}"))
+    return found
 
 
 def reference_from_stored_loads(scene: Scene, number: int) -> Reference | None:
@@ -308,8 +312,8 @@ def compare_models_on_random_screws(
     InputError
         If a model or number is not valid, or a model fails on each of the screws that are tried first.
     """
-    if not 1 <= count <= survey.SCENES:
-        allowed = f"1 to {survey.SCENES} randomly drawn screws"
+    if not 1 <= count <= survey.DRAWN:
+        allowed = f"1 to {survey.DRAWN} randomly drawn screws"
         raise ArgumentError("count", str(count), allowed, "choose a number in that range")
     if not 0.0 < limit < float("inf"):
         advice = "give the largest allowed error of a contact load in per cent of the mean load, such as 7"
@@ -318,7 +322,7 @@ def compare_models_on_random_screws(
         model_by_name(name, excluded_names=("condensed",))
     numbers = [number for number in range(count) if number in stored_loads()]
     rows = {name: _judge_model_on_screws(name, numbers, workers, limit, show_progress) for name in models}
-    ours = [r for r in survey.built_in_survey()["scenes"] if r["number"] in numbers]
+    ours = [r for r in survey.records_of_all_screws() if r["number"] in numbers]
     record: dict[str, list[Row]] = {
         name: [
             {"screw": r["number"], "title": r["title"].partition(": ")[2], "status": r["status"]} | r["models"][name]
@@ -386,7 +390,7 @@ def median_errors_by_screw_kind(models: Mapping[str, Sequence[Row]]) -> list[Row
     The error is the largest one of a contact load on a screw, in per cent of the mean load. ``models``: rows of
     `judge_model_on_random_screw` by the name of the model.
     """
-    known = {r["number"]: r for r in survey.built_in_survey()["scenes"]}
+    known = {r["number"]: r for r in survey.records_of_all_screws()}
     out = []
     for words, fits in WHERE.items():
         chosen = {number for number, r in known.items() if "moment_Nm" in r and fits(r)}
@@ -440,10 +444,10 @@ def write_scene_and_reference_files(number: int, folder: Path) -> tuple[Path, Pa
     the reference file, which ``rollbench compare`` also reads. Raises InputError for a screw without stored loads, and if a
     file cannot be written.
     """
-    scene = random_screw_scene(number) if 0 <= number < survey.SCENES else None
+    scene = random_screw_scene(number) if 0 <= number < survey.DRAWN else None
     found = None if scene is None else reference_from_stored_loads(scene, number)
     if scene is None or found is None:
-        allowed = f"the number, 0 to {survey.SCENES - 1}, of a randomly drawn screw whose 3D reference is stored"
+        allowed = f"the number, 0 to {survey.DRAWN - 1}, of a randomly drawn screw whose 3D reference is stored"
         raise ArgumentError("screw", str(number), allowed, "choose another number")
     text, loads = folder / f"{screw_name(number)}.toml", folder / f"{screw_name(number)}-reference.csv"
     layout = ball_layout(scene)
@@ -456,10 +460,14 @@ def write_scene_and_reference_files(number: int, folder: Path) -> tuple[Path, Pa
     return text, loads
 
 
-#: Mesh levels of the 3D reference that are timed, by their names; the last one judges the others.
-LEVELS = {"3D level 1": 1, "3D level 2": 2}
-#: Number of screws on which models and mesh levels are timed, and names of these models and levels.
-COUNT, TIMED = 24, ("mei", "mei-nut", "source", "lin", "lin-cell", "lin-nut", "refined", *LEVELS)
+#: Mesh levels of the 3D reference that are timed, by their names; the level that judges models and level 1.
+LEVELS, JUDGE = {"3D level 1": 1, "3D level 2": 2, "3D level 3": 3}, "3D level 2"
+#: Mesh level that judges another one.
+JUDGE_OF_LEVEL = {"3D level 2": "3D level 3", "3D level 3": ""}
+#: Number of screws on which models and mesh levels are timed, and on the first of which the finest level is, too.
+COUNT, FINEST_COUNT = 24, 8
+#: Number of screws, the first ones, from which these are chosen; names of timed models and levels.
+CHOSEN_FROM, TIMED = 240, ("mei", "mei-nut", "source", "lin", "lin-cell", "lin-nut", "refined", *LEVELS)
 #: How the line of progress of a solved load case begins.
 SOLVED = "contact loads"
 #: Name of the file with the timed solutions.
@@ -502,10 +510,12 @@ class LoadErrorsAndTimes:
 
     #: Name of the model or mesh level.
     name: str
+    #: Mesh level that judges it; empty for the finest level.
+    judge: str
     #: Largest contact-load error on each screw [% of the contact's load; of the mean load for a nearly
-    #: unloaded contact]; an empty array for the level that judges.
+    #: unloaded contact]; an empty array for the finest level.
     gate_errors: Array
-    #: Largest contact-load error on each screw [% of the mean load]; an empty array for the level that judges.
+    #: Largest contact-load error on each screw [% of the mean load]; an empty array for the finest level.
     errors_of_mean_load: Array
     #: Processor time of each screw from its geometry to the contact loads of a first load case [s].
     first_case_seconds: Array
@@ -515,7 +525,7 @@ class LoadErrorsAndTimes:
 
 def numbers_of_timed_screws() -> list[int]:
     """Return the numbers of the random screws on which models and mesh levels are timed, in the order of their solution."""
-    chosen = np.random.default_rng([survey.SEED, COUNT]).choice(KNOWN_SCREWS, COUNT, replace=False)
+    chosen = np.random.default_rng([survey.SEED, COUNT]).choice(CHOSEN_FROM, COUNT, replace=False)
     return [int(number) for number in chosen]
 
 
@@ -574,6 +584,8 @@ def time_models_and_levels_on_screws(
 ) -> StoredTimedRuns:
     """Solve the first ``count`` chosen random screws by all `TIMED` models and levels and time them, on all cores.
 
+    The finest level solves the first `FINEST_COUNT` of them.
+
     ``store``: folder in which each solution is stored when it is done. Stored solutions of the same program sources on the
     same machine are not repeated. ``show_progress``: function that is called with each line of progress. Raises InputError
     if the file cannot be written.
@@ -581,14 +593,16 @@ def time_models_and_levels_on_screws(
     conditions, known = measuring_conditions(), load_timed_runs((store,))
     runs = list(known.runs) if known is not None and known.measuring_conditions == conditions else []
     done = {(run.number, run.name) for run in runs}
-    jobs = [(n, name) for n in numbers_of_timed_screws()[:count] for name in TIMED if (n, name) not in done]
+    numbers = numbers_of_timed_screws()[:count]
+    wanted = [(n, name) for name in TIMED for n in (numbers[:FINEST_COUNT] if name == TIMED[-1] else numbers)]
+    jobs = [one for one in wanted if one not in done]
     found = StoredTimedRuns(conditions, utc_date_today(), runs)
     engine = ComputingSettings(parallel_jobs=usable_cores())
     for _, run in solve_many(solve_and_time, dict(enumerate(jobs)), engine):
         runs.append(run)
         found = StoredTimedRuns(conditions, utc_date_today(), sorted(runs, key=lambda x: (x.number, TIMED.index(x.name))))
         save_timed_runs(store, found)
-        show_progress(f"[{len(runs)}/{count * len(TIMED)}] drawn screw {run.number}, {run.name}: {run.seconds:.2g} s")
+        show_progress(f"[{len(runs)}/{len(wanted)}] drawn screw {run.number}, {run.name}: {run.seconds:.2g} s")
     return found
 
 
@@ -615,20 +629,24 @@ def load_timed_runs(stores: Sequence[Path]) -> StoredTimedRuns | None:
 def errors_and_times(runs: Sequence[TimedRun]) -> list[LoadErrorsAndTimes]:
     """Return load errors and processor times of all `TIMED` models and mesh levels, on the same random screws.
 
-    These are the screws that both mesh levels solved; a model that failed on some of them has fewer. Errors are differences
-    from the last mesh level.
+    These are the screws that mesh levels 1 and 2 solved; a model that failed on some of them has fewer. Errors are
+    differences from mesh level 2, those of level 2 from level 3, which solved some of the screws.
 
     ``runs``: timed solutions of random screws.
     """
     solved = {(run.number, run.name): run for run in runs if run.status == survey.ANSWERED}
-    numbers = [n for n in sorted({run.number for run in runs}) if all((n, name) in solved for name in LEVELS)]
+    judged = {number for number, name in solved if name == JUDGE}
+    numbers = sorted(number for number in judged if (number, next(iter(LEVELS))) in solved)
     found = []
     for name in TIMED if numbers else ():
-        of_screws, errors = [solved[n, name] for n in numbers if (n, name) in solved], []
-        for run in of_screws if name != TIMED[-1] else ():
-            contacts = count_nominal_contacts(load_cases_of_random_screw(run.number)[0])
-            errors.append(load_error(np.array(run.load), np.array(solved[run.number, TIMED[-1]].load), contacts))
+        judge, errors = JUDGE_OF_LEVEL.get(name, JUDGE), []
+        of_screws = [solved[n, name] for n in numbers if (n, name) in solved]
+        for run in of_screws:
+            if (run.number, judge) in solved:
+                contacts = count_nominal_contacts(load_cases_of_random_screw(run.number)[0])
+                errors.append(load_error(np.array(run.load), np.array(solved[run.number, judge].load), contacts))
         check, of_mean = (np.array([getattr(e, key) for e in errors]) for key in ("gate_percent", "max_percent"))
         first, further = (np.array([getattr(run, key) for run in of_screws]) for key in ("seconds", "further_seconds"))
-        found.append(LoadErrorsAndTimes(name, check, of_mean, first, further))
+        if of_screws:
+            found.append(LoadErrorsAndTimes(name, judge, check, of_mean, first, further))
     return found

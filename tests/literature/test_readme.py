@@ -46,7 +46,7 @@ def test_table_and_first_sentence_are_the_report_s() -> None:
         row = next(line for line in README.splitlines() if line.startswith(f"| {name}"))
         seconds = float(timed[of]["CPU time for a new screw, median [s]"])
         assert row.split("|")[3].split("(")[0].strip() == f"{seconds:.2g} s", row
-        assert f"on {timed[of]['number of screws']} of the 240" in README
+        assert f"median on {timed[of]['number of screws']} of them" in README
     first = " ".join(README.split("\n\n")[1].split())
     assert "{:.1f} % of the mean contact load in the median and by at most {:.1f} % on 19 of 20".format(*refined) in first
     assert "by {:.1f} and {:.0f} %".format(*lin) in first

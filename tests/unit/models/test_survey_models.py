@@ -13,6 +13,8 @@ from tests.copies import ROOT
 
 import rollbench
 from rollbench.compare.errors import InputError
+from rollbench.compare.models.applicability import CALIBRATING
+from rollbench.compare.models.applicability import survey_records_of_random_screws as records_of_random_screws
 from rollbench.compare.reference.store import measuring_conditions
 from rollbench.compare.studies import survey, survey_models
 
@@ -92,7 +94,7 @@ def test_a_drawn_screw_and_its_reference_are_files_that_check_takes(command, tmp
     assert verdict["word"] == row["verdict"] == "fail"
 
 
-@pytest.mark.parametrize("words", ["--count 0 --model lin", "--screw 300", "", "--model lni", "--screw 0 --model lin"])
+@pytest.mark.parametrize("words", ["--count 0 --model lin", "--screw 360", "", "--model lni", "--screw 0 --model lin"])
 def test_numbers_and_models_that_cannot_be_are_refused(words, command):
     command.refused("survey", *words.split())
 
@@ -123,11 +125,12 @@ def runs_of(number):
     levels = [
         replace(one, name="3D level 1", seconds=50.0, load=load.tolist()),
         replace(one, name="3D level 2", seconds=90.0, load=(1.02 * load).tolist()),
+        replace(one, name="3D level 3", seconds=400.0, load=(1.01 * load).tolist()),
     ]
     return [replace(one, name=name) for name in survey_models.TIMED if name not in survey_models.LEVELS] + levels
 
 
-def test_the_last_level_judges_models_and_levels_on_the_screws_that_it_solved():
+def test_level_2_judges_models_and_level_1_and_level_3_judges_level_2():
     first, second = (runs_of(number) for number in survey_models.numbers_of_timed_screws()[:2])
     failed = replace(second[3], status="not converged")
     for runs, screws in ((first, 1), ([*first, *second[:3], failed, *second[4:]], 2)):
@@ -136,7 +139,10 @@ def test_the_last_level_judges_models_and_levels_on_the_screws_that_it_solved():
         assert found["3D level 1"].gate_errors == pytest.approx(screws * [100.0 * 0.02 / 1.02])
         assert found[failed.name].gate_errors == pytest.approx([100.0 * 0.08 / 1.02])
         assert (found["3D level 1"].first_case_seconds[0], found["lin"].further_case_seconds) == (50.0, 0.1)
-        assert found["3D level 2"].gate_errors.size == 0, "the finest level has no error from these runs"
+        assert found["3D level 2"].gate_errors == pytest.approx(screws * [100.0 * 0.01 / 1.01])
+        assert found["3D level 3"].gate_errors.size == 0, "the finest level has no error from these runs"
+    found = {s.name: s for s in survey_models.errors_and_times([*first, *second[:-1]])}
+    assert [found[name].gate_errors.size for name in ("lin", "3D level 1", "3D level 2")] == [2, 2, 1]
 
 
 def test_a_model_is_timed_without_what_an_earlier_solution_left():
@@ -156,6 +162,14 @@ def test_runs_of_the_same_sources_are_not_repeated(tmp_path):
         assert list(again.runs) == expected
 
 
-@pytest.mark.parametrize(("options", "named"), [([], "--store"), (["--long", "--store", "x"], "--drawn")])
-def test_bench_of_drawn_screws_takes_a_store_and_nothing_else(options, named, command):
-    assert named in command.refused("bench", "--drawn", *options)
+def test_new_screws_are_of_another_seed_and_calibrate_nothing():
+    numbers = range(survey.SCENES, survey.DRAWN)
+    texts = [survey.random_screw_scene_text(survey.SEED, number) for number in numbers]
+    flanges = ["flange" in text.split("\n", 1)[0] for text in texts]
+    assert flanges == [False] * 40 + [True] * 20
+    assert all(f"survey {survey.NEW_SEED}, scene {k}:" in text for k, text in enumerate(texts))
+    assert max(CALIBRATING) < survey.SCENES
+    assert {r["number"] for r in records_of_random_screws()} <= set(range(survey.SCENES))
+    later = survey.records_of_screws_drawn_later()
+    assert [r["number"] for r in later] == list(numbers)
+    assert {r["number"] for r in later if r.get("models")} <= survey_models.stored_loads().keys()
