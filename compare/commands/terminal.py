@@ -55,7 +55,7 @@ Verbose = Annotated[bool, Parameter(name=("--verbose", "--assumptions"), negativ
 #: Type of an option that is followed by several names.
 Names = Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")]
 #: Help texts of the options for parallel runs.
-WORKERS = "Number of parallel runs; 3D runs need 1 to 3 GB each. Default: 1 (report: 2); on a cluster, all its workers."
+WORKERS = "Number of parallel runs; 3D runs need 1 to 4 GB each. Default: 1 (report: 2); on a cluster, all its workers."
 #: Type of the option that prints the results as JSON.
 Json = Annotated[bool, Parameter(name="--json", negative="", show_default=False, help="Print exactly one JSON value.")]
 

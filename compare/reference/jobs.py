@@ -41,7 +41,7 @@ GROWTH = {0: 0.4, 1: 1.0, 2: 1.2, 3: 1.8, 4: 3.0, 5: 6.0}
 BASE_GB = {0: 0.6, 1: 0.65, 2: 0.9, 3: 1.3, 4: 2.2, 5: 4.4}
 
 #: Part of the peak memory for each contact [GB].
-CONTACT_GB = 0.007
+CONTACT_GB = 0.0103
 
 #: Stages that are divided between two processes, factor by which these stages are then faster, and memory that the second
 #: process adds: up to `TOGETHER` contacts the share `MORE` of the memory of one process. With more contacts the second
