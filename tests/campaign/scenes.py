@@ -18,7 +18,6 @@ from tests.campaign.draw_axes import axis_text
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import InputError, SceneError
-from rollbench.compare.models.many import record_as_checked_line, record_from_checked_line
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.compare.provenance import sources_hash
@@ -106,17 +105,27 @@ class Part:
         self.path = path
         head = {"seed": seed, "model": model, "version": __version__, "sources": sources_hash(PACKAGES)[:16]}
         kept = path.read_bytes().splitlines(keepends=True) if path.exists() else []
-        first, *others = [record_from_checked_line(line) for line in kept] or [None]
+        first, *others = [_values_in_line(line) for line in kept] or [None]
         if first != head:
             others = []
-            path.write_bytes(record_as_checked_line(head))
+            path.write_bytes(_as_line(head))
         self.outcomes = {line["number"]: Outcome(**line) for line in others if line is not None}
 
     def add(self, outcome: Outcome) -> None:
         """Append an outcome."""
         with self.path.open("ab") as file:
-            file.write(record_as_checked_line(asdict(outcome)))
+            file.write(_as_line(asdict(outcome)))
         self.outcomes[outcome.number] = outcome
+
+
+def _as_line(values: dict[str, Any]) -> bytes:
+    """Values as a line of JSON."""
+    return json.dumps(values, ensure_ascii=False).encode() + b"\n"
+
+
+def _values_in_line(line: bytes) -> dict[str, Any] | None:
+    """The values in a line; None if a kill has cut it off."""
+    return json.loads(line) if line.endswith(b"\n") else None
 
 
 def placed(error: Exception) -> str:

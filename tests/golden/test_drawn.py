@@ -220,7 +220,7 @@ def written(name: str) -> dict[str, Any]:
 
 
 #: How many items one test solves: those of friction take some ten seconds each.
-AT_ONCE = {"friction": 4, "friction in time": 2}
+AT_ONCE = {"friction": 4, "friction in time": 1}
 BLOCKS = [(name, begin) for name, (*_, count) in ITEMS.items() for begin in range(0, count, AT_ONCE.get(name, 40))]
 
 
