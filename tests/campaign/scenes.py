@@ -124,8 +124,12 @@ def _as_line(values: dict[str, Any]) -> bytes:
 
 
 def _values_in_line(line: bytes) -> dict[str, Any] | None:
-    """The values in a line; None if a kill has cut it off."""
-    return json.loads(line) if line.endswith(b"\n") else None
+    """The values in a line; None if a kill has cut it off, also where the next line was appended to it."""
+    try:
+        values = json.loads(line)
+    except ValueError:
+        return None
+    return values if line.endswith(b"\n") and isinstance(values, dict) else None
 
 
 def placed(error: Exception) -> str:
