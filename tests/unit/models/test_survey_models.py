@@ -13,7 +13,7 @@ from tests.copies import ROOT
 
 import rollbench
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.applicability import CALIBRATING
+from rollbench.compare.models.applicability import CALIBRATING, NEW_SURVEY, SURVEY
 from rollbench.compare.models.applicability import survey_records_of_random_screws as records_of_random_screws
 from rollbench.compare.reference.store import measuring_conditions
 from rollbench.compare.studies import survey, survey_models
@@ -25,7 +25,8 @@ needs_awk = pytest.mark.skipif(shutil.which("awk") is None, reason="no awk here"
 def test_stored_loads_are_those_that_the_record_judged_our_models_by():
     """The record has the errors of lin by the same runs, made by earlier versions: lin finds them again, but for what its
     changes since then moved."""
-    record = {r["number"]: r["models"]["lin"] for r in survey.built_in_survey()["scenes"] if "models" in r}
+    rows = [r for file in (SURVEY, NEW_SURVEY) for r in records_of_random_screws(file)]
+    record = {r["number"]: r["models"]["lin"] for r in rows if "models" in r}
     numbers = [*survey_models.stored_loads()][::37]
     assert len(numbers) >= 4
     for number in numbers:

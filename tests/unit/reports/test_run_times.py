@@ -84,11 +84,20 @@ def test_a_planted_older_time_is_not_shown(tmp_path):
         (tmp_path / kept_times.SET_UP_COSTS).write_text(json.dumps(costs | {"version": version}))
         assert (kept_times.load_set_up_costs([tmp_path]) is not None) == found
 
-    points = points_of(tmp_path, OLD)
-    assert all(p.cold is p.warm is None for p in points)
+    def shown_of_lin_case1(kept):
+        """Sentence about the measuring run, and run times of lin-case1, with times planted in a folder before the shipped."""
+        folder = tmp_path / str(kept and kept.measuring_conditions.version)
+        folder.mkdir()
+        if kept is not None:
+            kept_times.save_run_times(folder, kept)
+        study = SceneResultCache((folder, shipped_store()))
+        points = reference_time.error_and_time_points("lin-case1", study.stored_reference("lin-case1"), study, quiet)
+        return reference_time.run_time_conditions_sentence(study, quiet), [(p.name, p.cold, p.warm) for p in points]
+
+    assert shown_of_lin_case1(OLD) == shown_of_lin_case1(None)
+    assert KEPT.date in shown_of_lin_case1(KEPT)[0]
 
     study = SceneResultCache((tmp_path, shipped_store()))
-    assert reference_time.run_time_conditions_sentence(study, quiet) == UNMEASURED
     load = np.array(survey_models.stored_loads()[74]["load"])
     loads = {name: ((1.0 + 0.01 * k) * load).tolist() for k, name in enumerate(survey_models.TIMED)}
     runs = [survey_models.TimedRun(74, name, "converged", 2.0, 1.0, loads[name]) for name in loads]
