@@ -555,8 +555,8 @@ def _json_structure(value: Any, arrays: list[Any]) -> Any:
     """
     if value is None or type(value) in (bool, int, float, str):
         return value
-    if isinstance(value, str) and not isinstance(value, np.generic):  # a text with attributes, which are left out
-        return str(value)
+    if isinstance(value, str) and not isinstance(value, np.generic):  # with attributes, such as a warning
+        return ["text", _qualified_class_name(type(value)), *value.__getnewargs__()]
     if isinstance(value, np.generic) and value.dtype.kind in "biufU":
         return ["scalar", value.dtype.str, value.item()]
     if isinstance(value, np.ndarray) and value.dtype != object:
@@ -604,6 +604,7 @@ def _unpack_value(structure: Any, arrays: list[Any], packages: tuple[str, ...]) 
         "tuple": lambda: tuple(map(unpack_part, content)),
         "list": lambda: list(map(unpack_part, content)),
         "range": lambda: range(*content),
+        "text": lambda: _import_class(content[0], packages)(*content[1:]),
         "dict": lambda: {unpack_part(k): unpack_part(x) for k, x in content},
         "sparse": lambda: _import_class(content[0], ("scipy",))(
             tuple(map(unpack_part, content[2:])), shape=tuple(content[1])

@@ -20,7 +20,7 @@ _NUMBER = re.compile(r"[+−-]?\d[\d., ]*(?:[eE][+-]?\d+)?")
 def write_csv(table: Table, path: Path) -> None:
     """Write a table to a CSV file (RFC 4180).
 
-    The heading of a column is ``label [unit]``. Numbers are written with all digits, and ``None`` as an empty cell.
+    The heading of a column is ``label [unit]``. Numbers are written with ten digits, and ``None`` as an empty cell.
 
     Parameters
     ----------
@@ -94,13 +94,13 @@ def _python_number(value: Any) -> Any:
 
 
 def _format_csv_cell(value: Cell) -> str:
-    """Return the value of a table cell as text for a CSV file: all digits, ``true`` or ``false``, empty for None."""
+    """Return the value of a table cell as text for a CSV file: ten digits, ``true`` or ``false``, empty for None."""
     value = _python_number(value)
     if value is None:
         return ""
     if isinstance(value, bool):
         return "true" if value else "false"
-    return repr(value) if isinstance(value, float) else escape_formula(str(value))
+    return repr(float(f"{value:.10g}")) if isinstance(value, float) else escape_formula(str(value))
 
 
 def escape_formula(text: str) -> str:

@@ -20,7 +20,7 @@ import zlib
 from base64 import b64decode, b64encode
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from time import monotonic, perf_counter
@@ -66,8 +66,8 @@ class StoredIn:
     header: Mapping[str, Any]
     #: Argument by which the user names the folder, for error messages.
     argument: str = "store"
-    #: Whether a stored result is final; rows with other results are solved again.
-    is_final: Callable[[Any], bool] = lambda _: True
+    #: Whether a stored result is final, as rows with other results are solved again; None: all results are.
+    is_final: Callable[[Any], bool] | None = None
 
 
 def stored_in(folder: str | Path | None, spelling: str, model: str, *inputs: object) -> StoredIn | None:
@@ -128,8 +128,8 @@ def solve_many(
     with nullcontext() if stored is None else open_store(stored.folder, stored.header, stored.argument) as store:
         known: dict[int, Callable[[], T]] = {}
         if stored is not None:
-            each = stored_rows(stored.folder)
-            known = {number: read for number, read in each if number in rows and stored.is_final(read())}
+            each, is_final = stored_rows(stored.folder), stored.is_final
+            known = {n: read for n, read in each if n in rows and (is_final is None or is_final(read()))}
             counts = f"{len(rows)} {noun or 'rows'}, {len(known)} stored in {stored.folder}"
             show_progress(f"{counts}, {len(rows) - len(known)} to solve")
         for number, read in known.items():
@@ -298,46 +298,12 @@ def result_as_json(result: Any) -> Any:
     """Return the result of a row as JSON: a list or dictionary as it is, another value as the text of its bytes."""
     if isinstance(result, list | dict):
         return json.loads(json.dumps(result, allow_nan=False))
-    return b64encode(record_to_bytes(_with_changed_texts(result, _as_plain_record), compressed=True)).decode()
+    return b64encode(record_to_bytes(result, compressed=True)).decode()
 
 
 def result_from_json(data: Any) -> Any:
     """Return the result of a row from what `result_as_json` returned."""
-    return _with_changed_texts(record_from_bytes(b64decode(data)), _from_plain_record) if isinstance(data, str) else data
-
-
-@dataclass(frozen=True)
-class _TextWithAttributes:
-    """Class of a text that has attributes, such as a warning, and the arguments of its constructor."""
-
-    text_class: type
-    arguments: tuple[str, ...]
-
-
-def _as_plain_record(text: Any) -> Any:
-    """Return a text with attributes as a record that can be stored; another value unchanged."""
-    return text if type(text) is str else _TextWithAttributes(type(text), text.__getnewargs__())
-
-
-def _from_plain_record(text: Any) -> Any:
-    """Return the text with attributes of a record `_TextWithAttributes`; another value unchanged."""
-    return text.text_class(*text.arguments) if isinstance(text, _TextWithAttributes) else text
-
-
-def _with_changed_texts(value: Any, change: Callable[[Any], Any]) -> Any:
-    """Return a copy of a value in which a function changes all texts, also those in records and collections inside it."""
-    if isinstance(value, str | _TextWithAttributes):
-        return change(value)
-    if type(value) in (tuple, list):
-        return type(value)(_with_changed_texts(x, change) for x in value)
-    if type(value) is dict:
-        return {key: _with_changed_texts(x, change) for key, x in value.items()}
-    if not is_dataclass(value) or isinstance(value, type):
-        return value
-    copy = object.__new__(type(value))
-    for field in fields(value):
-        object.__setattr__(copy, field.name, _with_changed_texts(getattr(value, field.name), change))
-    return copy
+    return record_from_bytes(b64decode(data)) if isinstance(data, str) else data
 
 
 def _row_as_line(row: StoredRow) -> bytes:

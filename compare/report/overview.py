@@ -230,7 +230,7 @@ def answers(
     Parameters
     ----------
     compared_screw_count
-        Number of screws compared with the 3D reference.
+        Number of screws compared with the 3D reference before the models last changed.
     gate_errors
         Largest error on each screw as ``rollbench check`` judges it, by model [% of the contact's reference load or, for a
         nearly unloaded contact, of the mean load].
@@ -248,7 +248,8 @@ def answers(
     )
     known = (
         "Each contact load is compared with that of a 3D elastic-contact reference, which shares no code with the models. "
-        f"{_mesh_uncertainty_clause(mesh_uncertainties)}{whole}. In all, {compared_screw_count} screws were compared. "
+        f"{_mesh_uncertainty_clause(mesh_uncertainties)}{whole}. "
+        f"{compared_screw_count} other screws were compared before the models last changed. "
         f"{screws_within_limit_text(gate_errors)}."
     )
     found = {

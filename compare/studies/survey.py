@@ -113,10 +113,11 @@ def random_screw_scene_text(seed: int, number: int) -> str:
     """Return the scene file (TOML text) of one randomly drawn ball screw, which depends on seed and number only.
 
     ``seed``: seed of the survey; ``number``: number of the screw, from 0. Up to number `TUBES` - 1 the nut is a plain tube;
-    from `TUBES` on it has a flange. From `SCENES` on the screws are drawn with `NEW_SEED`: `NEW_TUBES` tubes, then flanges.
+    from `TUBES` on it has a flange. From `SCENES` on the survey's screws are drawn with `NEW_SEED`: `NEW_TUBES` tubes, then
+    flanges.
     """
     flange, new = number >= TUBES, number - SCENES
-    if new >= 0:
+    if seed == SEED and new >= 0:
         seed, number, flange = NEW_SEED, new, new >= NEW_TUBES
     rng = np.random.default_rng([seed, number])
     outer = int(rng.choice(list(SIZES)))

@@ -12,7 +12,6 @@ from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
-from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -73,9 +72,8 @@ def screw(number: int, most: int) -> str:
 
 
 def usual(number: int) -> str:
-    """Screw as catalogues have it; each sixth with a flange. All are of this seed, also beyond the survey's numbers."""
-    with patch.object(survey, "SCENES", 10**6):
-        text = survey.random_screw_scene_text(SEED, number + (survey.TUBES if number % 6 == 5 else 0))
+    """Screw as catalogues have it; each sixth with a flange."""
+    text = survey.random_screw_scene_text(SEED, number + (survey.TUBES if number % 6 == 5 else 0))
     return text.replace('name = "bearing steel"', 'youngs_modulus = "208 GPa"\npoissons_ratio = 0.3')
 
 

@@ -16,8 +16,10 @@ import pytest
 import scipy.sparse as sp
 from skfem import MeshTet, MeshTet2
 
+from rollbench.lowfi.statics.result import Status
+from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes import cache as module
-from rollbench.meshes.cache import Cache, StageMessage, cached_on_disk, key_of_result, record_from_bytes, record_to_bytes
+from rollbench.meshes.cache import Cache, cached_on_disk, key_of_result, record_from_bytes, record_to_bytes
 from rollbench.meshes.files import create_private_folder
 
 
@@ -97,9 +99,10 @@ def test_a_plain_value_comes_back_with_its_type(value, compressed):
     assert (found, type(found)) == (value, type(value))
 
 
-def test_of_a_text_with_attributes_the_text_comes_back():
-    found = record_from_bytes(record_to_bytes(StageMessage("screw", "meshed", cached=True)))
-    assert (found, type(found)) == ("screw: meshed", str)
+def test_a_text_comes_back_with_its_attributes():
+    for text in (Status("not held", "rotation", "mounting"), ResultWarning("rotation", "by 60 mrad", "rotations")):
+        found = record_from_bytes(record_to_bytes((1, text)))[1]
+        assert (found, type(found), vars(found)) == (text, type(text), vars(text))
 
 
 def test_a_mesh_comes_back_with_its_names_and_another_class_is_refused(tmp_path: Path):

@@ -222,7 +222,7 @@ class TestCells:
         with open(tmp_path / "t.csv", newline="", encoding="utf-8") as stream:
             rows = list(csv.reader(stream))
         assert rows[1:] == [
-            ['<b>"a"</b>', repr(1.0 / 3.0), "-0.5", "hard", "reproduced", "true"],
+            ['<b>"a"</b>', "0.3333333333", "-0.5", "hard", "reproduced", "true"],
             ["b, c", "", "nan", "open", "contradicted", "false"],
             ["two\nlines", "210000000.0", "", "as-printed", "open", "true"],
         ]

@@ -85,7 +85,7 @@ def test_a_planted_older_time_is_not_shown(tmp_path):
         assert (kept_times.load_set_up_costs([tmp_path]) is not None) == found
 
     def shown_of_lin_case1(kept):
-        """Sentence about the measuring run, and run times of lin-case1, with times planted in a folder before the shipped."""
+        """Sentence about the measuring run, and times of lin-case1, with times planted in a folder before the shipped."""
         folder = tmp_path / str(kept and kept.measuring_conditions.version)
         folder.mkdir()
         if kept is not None:
