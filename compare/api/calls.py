@@ -835,7 +835,14 @@ def table(
 
 
 @limited_to_one_thread()
-def survey(model: str | Sequence[str], *, count: int = 360, max_error: float = 7.0, workers: int | None = None) -> Survey:
+def survey(
+    model: str | Sequence[str],
+    *,
+    count: int = 360,
+    max_error: float = 7.0,
+    workers: int | None = None,
+    store: str | Path | None = None,
+) -> Survey:
     """Compare models with stored loads of the 3D reference on up to 360 random ball screws.
 
     Parameters
@@ -849,6 +856,8 @@ def survey(model: str | Sequence[str], *, count: int = 360, max_error: float = 7
         Largest error that passes [% of the mean contact load].
     workers
         Number of parallel processes; None: one for each core.
+    store
+        Folder in which each solved screw is stored, and from which an interrupted run of the same model resumes.
 
     Returns
     -------
@@ -871,7 +880,7 @@ def survey(model: str | Sequence[str], *, count: int = 360, max_error: float = 7
 
     _check_numbers(count=count, max_error=max_error, workers=workers)
     models = [model] if isinstance(model, str) else model
-    return compare_models_on_random_screws(models, count, workers, max_error, LOG.info)
+    return compare_models_on_random_screws(models, count, workers, max_error, LOG.info, store)
 
 
 def _computing_settings() -> ComputingSettings:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from rollbench.compare.studies.extremes import FormulationOutcome
-    from rollbench.compare.studies.survey_models import Survey
+    from rollbench.compare.studies.survey_models import Survey, SurveyRow
 
 
 @app.command
@@ -35,6 +35,7 @@ def survey(
     screw: int | None = None,
     out: Path = Path(),
     workers: int | None = None,
+    store: Path | None = None,
     as_json: Json = False,
     program: ProgramOptions | None = None,
 ) -> int:
@@ -59,6 +60,8 @@ def survey(
         Folder for the written files. Default: the current folder.
     workers
         Number of screws solved in parallel. Default: 1.
+    store
+        Folder in which each solved screw is stored, and from which an interrupted run of the same model resumes.
     """
     command = model_or_program_name(program)
     models = [*(model or ()), *filter(None, [command])]
@@ -69,17 +72,17 @@ def survey(
         return print_command_output(write_drawn_screw(screw, out), as_json)
     if not models:
         raise ArgumentError("model", "nothing", "a model, or `model_command`", "state the model to be judged")
-    return print_command_output(judge_models_on_screws(models, count, max_error, out, workers), as_json)
+    return print_command_output(judge_models_on_screws(models, count, max_error, out, workers, store), as_json)
 
 
 def judge_models_on_screws(
-    models: Sequence[str], count: int, max_error: float, out: Path, workers: int | None
+    models: Sequence[str], count: int, max_error: float, out: Path, workers: int | None, store: Path | None
 ) -> CommandOutput:
     """Judge models on the first ``count`` random screws, write table and figure, and return statistics of the errors.
 
     ``max_error``: limit of the error in per cent. ``out``: folder of the written files. ``workers``: number of screws
-    solved in parallel. The exit code is 1 if a model fails on a screw. Raises InputError in the cases in which
-    `compare_models_on_random_screws` raises it.
+    solved in parallel; ``store``: folder of stored screws. The exit code is 1 if a model fails on a screw. Raises
+    InputError in the cases in which `compare_models_on_random_screws` raises it.
     """
     from rollbench.compare.files import check_writable, write_csv, write_figure, written_together
     from rollbench.compare.models.programs import model_title
@@ -89,7 +92,7 @@ def judge_models_on_screws(
     table, drawing = out / f"{stem}.csv", out / f"{stem}.svg"
     for path in (table, drawing):
         check_writable(path)
-    found = compare_models_on_random_screws(models, count, workers, max_error, show_progress_message)
+    found = compare_models_on_random_screws(models, count, workers, max_error, show_progress_message, store)
     drawn = "no figure"
     with written_together():
         write_csv(table, found.frame_rows())
@@ -108,9 +111,10 @@ def _survey_terminal_parts(found: Survey) -> Iterator[Any]:
     missing = "" if found.screws == found.of else f", out of {found.of}"
     for name in found.judged:
         rows, title = found.rows[name], model_title(name)
-        answered = sorted((r for r in rows if "verdict" in r), key=lambda r: -float(r["largest_percent"]))
+        answered = sorted((r for r in rows if r.verdict), key=lambda r: -(r.largest_percent or 0.0))
         if answered:
-            sizes, bars, times = ([r[k] for r in answered] for k in ("largest_percent", "uncertainty_percent", "seconds"))
+            known = [(r.largest_percent, r.uncertainty_percent, r.seconds) for r in answered]
+            sizes, bars, times = ([x for x in column if x is not None] for column in zip(*known, strict=True))
             counts = ", ".join(f"{n} {word}" for word, n in sorted(found.verdicts[name].items()))
             yield (
                 f"error of {title} on the worst contact: median {median(sizes):.3g} %, largest {max(sizes):.3g} % of the "
@@ -120,12 +124,11 @@ def _survey_terminal_parts(found: Survey) -> Iterator[Any]:
             )
             yield f"verdicts with a limit of {found.max_error:g} %: {counts}"
             yield "screws with the largest errors: " + "; ".join(
-                f"screw {r['screw']} ({r['title']}) {r['largest_percent']:.3g} % at ball {r['at']}"
-                for r in answered[:WORST]
+                f"screw {r.screw} ({r.title}) {r.largest_percent:.3g} % at ball {r.at}" for r in answered[:WORST]
             )
         reasons: dict[str, list[int]] = {}
-        for r in (r for r in rows if "verdict" not in r):
-            reasons.setdefault(re.sub(r"survey-\d+-\d+", "the screw", r["status"]), []).append(r["screw"])
+        for r in (r for r in rows if not r.verdict):
+            reasons.setdefault(re.sub(r"survey-\d+-\d+", "the screw", r.status), []).append(r.screw)
         for reason, numbers in reasons.items():
             yield f"no result for {len(numbers)} of {len(rows)} screws, the first is number {numbers[0]}: {reason}"
     yield f"screws with a stored reference: {found.screws}{missing}"
@@ -136,7 +139,7 @@ def _survey_terminal_parts(found: Survey) -> Iterator[Any]:
     yield table_of_records(median_errors_by_screw_kind(found.rows), ".2f", title)
 
 
-def _errors_on_screws_drawn_later(models: Mapping[str, Sequence[Mapping[str, Any]]]) -> Iterator[str]:
+def _errors_on_screws_drawn_later(models: Mapping[str, Sequence[SurveyRow]]) -> Iterator[str]:
     """Yield a sentence for each model on its errors on the screws that were drawn after refined and lin last changed.
 
     ``models``: errors of each model on each screw.
@@ -145,9 +148,10 @@ def _errors_on_screws_drawn_later(models: Mapping[str, Sequence[Mapping[str, Any
 
     from rollbench.compare.models.programs import model_title
     from rollbench.compare.studies.survey import SCENES
+    from rollbench.compare.studies.survey_models import errors_of_rows
 
     for name, rows in models.items():
-        sizes = [float(r["largest_percent"]) for r in rows if r["screw"] >= SCENES and "largest_percent" in r]
+        sizes = errors_of_rows([r for r in rows if r.screw >= SCENES], "largest_percent")
         if sizes:
             yield (
                 f"on {len(sizes)} screws drawn after refined and lin last changed, error of {model_title(name)} on the "

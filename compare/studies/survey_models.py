@@ -15,7 +15,7 @@ import json
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time
@@ -29,10 +29,11 @@ from rollbench.compare.gate.user import loads_as_run_record
 from rollbench.compare.gate.verdict import LIMIT, ErrorLimits, judge_contact_loads
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.loads_file import load_rows_for_csv
-from rollbench.compare.models.many import solve_many
+from rollbench.compare.models.many import solve_many, stored_in
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.programs import model_title
-from rollbench.compare.models.registry import model_by_name, run_model
+from rollbench.compare.models.registry import MODELS, model_by_name, run_model
+from rollbench.compare.models.user_models import origin_of_model
 from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent, reference_from_runs
 from rollbench.compare.reference.jobs import ComputingSettings
@@ -61,8 +62,68 @@ ERRORS = {"largest_percent": "worst load", "rms_percent": "loads, RMS", "pressur
 FIRST = 5
 #: Largest number of worst screws that are listed.
 WORST = 5
+#: Options by which models solve a screw.
+OPTIONS = ModelOptions(estimate_beam_mesh_error=False)
+#: Words with which the status of a screw begins that a model refuses, or on which it fails.
+REFUSED = "refused: "
 
 Row = dict[str, Any]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurveyRow:
+    """Errors of a model on one randomly drawn ball screw, against the 3D reference; None for what is not known of it.
+
+    The stored results of rollbench's models have displacements and errors to expect, too.
+    """
+
+    #: Number of the screw.
+    screw: int
+    #: Description of the screw.
+    title: str
+    #: "converged", or the reason why the screw was not solved or is not judged.
+    status: str
+    #: Number of balls.
+    balls: int | None = None
+    #: Error of the worst contact load [% of the mean load].
+    largest_percent: float | None = None
+    #: Ball and flank of the worst contact load.
+    at: str | None = None
+    #: RMS error of the contact loads [% of the mean load].
+    rms_percent: float | None = None
+    #: Error of the largest pressure [%].
+    pressure_percent: float | None = None
+    #: Largest mesh uncertainty of the reference's loads [% of the mean load].
+    uncertainty_percent: float | None = None
+    #: Error of the contact that decides the verdict, as ``rollbench check`` judges it [%].
+    gate_percent: float | None = None
+    #: Verdict on the loads.
+    verdict: str | None = None
+    #: Error of the displacement [%].
+    displacement_percent: float | None = None
+    #: Error of the rigidity [%].
+    rigidity_percent: float | None = None
+    #: Error to expect of the worst contact load [% of the mean load], and of the other quantities [%].
+    expected_percent: float | None = None
+    rms_expected_percent: float | None = None
+    displacement_expected_percent: float | None = None
+    rigidity_expected_percent: float | None = None
+    pressure_expected_percent: float | None = None
+    #: Why no error is expected; empty if one is.
+    not_covered: str | None = None
+    #: Computing time of the solution [s].
+    seconds: float | None = None
+    #: Processor time of a further load case [s].
+    further_seconds: float | None = None
+
+    @property
+    def solved(self) -> bool:
+        """Whether the model solved the screw and is judged."""
+        return self.status == survey.ANSWERED
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the values that are known as a dictionary for JSON, whose keys end with the unit."""
+        return {key: value for key, value in asdict(self).items() if value is not None}
 
 
 def random_screw_scene(number: int) -> Scene:
@@ -140,7 +201,7 @@ def reference_from_stored_loads(scene: Scene, number: int) -> Reference | None:
     return reference_from_runs(scene.name, scene, (run,), contacts=count_nominal_contacts(scene))
 
 
-def judge_model_on_random_screw(model: str, number: int, limit: float = LIMIT) -> Row:
+def judge_model_on_random_screw(model: str, number: int, limit: float = LIMIT) -> SurveyRow:
     """Solve a randomly drawn screw with a model, and compare the contact loads with the stored 3D reference.
 
     Parameters
@@ -154,40 +215,38 @@ def judge_model_on_random_screw(model: str, number: int, limit: float = LIMIT) -
 
     Returns
     -------
-    dict
-        Errors in per cent and whether they are within the limit, or the reason why the model is not judged, with the text
-        of the exception if one was raised.
+    SurveyRow
+        Errors in per cent and whether they are within the limit, or the reason why the model is not judged.
     """
     scene = random_screw_scene(number)
-    row: Row = {"screw": number, "title": scene.title.partition(": ")[2], "balls": scene.ball_count, "status": ""}
+    row = partial(SurveyRow, screw=number, title=scene.title.partition(": ")[2], balls=scene.ball_count)
     found = reference_from_stored_loads(scene, number)
     if found is None:
-        return row | {"status": "no stored reference"}
-    known = model_by_name(model)
-    if not known.covers_scene(scene):
-        return row | {"status": "the model does not describe it"}
+        return row(status="no stored reference")
+    if not model_by_name(model).covers_scene(scene):
+        return row(status="the model does not describe it")
     start = perf_counter()
     try:
-        result = run_model(scene, model, ModelOptions(estimate_beam_mesh_error=False))
+        result = run_model(scene, model, OPTIONS)
     except InputError as fault:
-        return row | {"status": one_line(str(fault), 300), "error": fault}
+        return row(status=f"{REFUSED}{one_line(str(fault), 300)}")
     seconds = perf_counter() - start
     if not result.converged:
-        return row | {"status": str(result.status), "seconds": seconds}
+        return row(status=str(result.status), seconds=seconds)
     verdict = judge_contact_loads(model_title(model), result.load, found, ErrorLimits(limit))[0]
     off = load_error(result.load, found.load, found.contacts)
     pressed = np.cbrt(result.load.max() / found.load.max())  # Hertz
-    return row | {
-        "status": survey.ANSWERED,
-        "largest_percent": off.max_percent,
-        "at": f"{off.ball} {off.side}",
-        "rms_percent": off.rms_percent,
-        "pressure_percent": float(error_percent(pressed, 1.0)),
-        "uncertainty_percent": largest_uncertainty_percent(found),
-        "gate_percent": verdict.error,
-        "verdict": str(verdict.judgement),
-        "seconds": seconds,
-    }
+    return row(
+        status=survey.ANSWERED,
+        largest_percent=off.max_percent,
+        at=f"{off.ball} {off.side}",
+        rms_percent=off.rms_percent,
+        pressure_percent=float(error_percent(pressed, 1.0)),
+        uncertainty_percent=largest_uncertainty_percent(found),
+        gate_percent=verdict.error,
+        verdict=str(verdict.judgement),
+        seconds=seconds,
+    )
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -205,9 +264,8 @@ class Survey(TabularRecord):
     """Largest error that passes [% of the mean contact load]."""
     judged: tuple[str, ...]
     """Names of the models that were solved; results of the others are stored ones."""
-    rows: Mapping[str, Sequence[Row]]
-    """Results of a model for every screw, by the model's name, in the units that the keys end with. ``status`` is
-    "converged", or the reason why the screw was not solved."""
+    rows: Mapping[str, Sequence[SurveyRow]]
+    """Results of a model for every screw, by the model's name."""
 
     @property
     def median(self) -> dict[str, float]:
@@ -221,8 +279,7 @@ class Survey(TabularRecord):
 
     def _errors(self) -> dict[str, list[float]]:
         """Return the errors on the solved screws [%], by the name of each model that solved one."""
-        each = {name: [r for r in rows if r["status"] == survey.ANSWERED] for name, rows in self.rows.items()}
-        return {name: [float(r["largest_percent"]) for r in rows] for name, rows in each.items() if rows}
+        return {name: sizes for name, rows in self.rows.items() if (sizes := errors_of_rows(rows, "largest_percent"))}
 
     @property
     def summary(self) -> list[Row]:
@@ -232,12 +289,12 @@ class Survey(TabularRecord):
     @property
     def verdicts(self) -> dict[str, dict[str, int]]:
         """Number of screws with each verdict, by the name of the judged model."""
-        return {name: dict(Counter(r["verdict"] for r in self.rows[name] if "verdict" in r)) for name in self.judged}
+        return {name: dict(Counter(r.verdict for r in self.rows[name] if r.verdict)) for name in self.judged}
 
     @property
     def without_answer(self) -> dict[str, int]:
         """Number of screws without result, by the name of the judged model."""
-        return {name: sum(r["status"] != survey.ANSWERED for r in self.rows[name]) for name in self.judged}
+        return {name: sum(not r.solved for r in self.rows[name]) for name in self.judged}
 
     def to_dict(self) -> dict[str, JSON]:
         """Return the survey as a dictionary, as ``rollbench survey --json`` prints it.
@@ -249,7 +306,8 @@ class Survey(TabularRecord):
         """
         data: dict[str, Any] = {"seed": survey.SEED, "level": survey.LEVEL, "screws": self.screws, "of": self.of}
         data |= {"max_error_percent": self.max_error, "summary": self.summary, "verdicts": self.verdicts}
-        return add_schema_version(data | {"without_answer": self.without_answer, "models": dict(self.rows)})
+        models = {name: [row.as_json() for row in rows] for name, rows in self.rows.items()}
+        return add_schema_version(data | {"without_answer": self.without_answer, "models": models})
 
     def frame_rows(self) -> Sequence[Mapping[str, Any]]:
         """Return a row for each model and screw.
@@ -259,7 +317,7 @@ class Survey(TabularRecord):
         list
             Row of each line of the frame, by the names of its columns.
         """
-        return [{"model": model_title(name)} | dict(row) for name, rows in self.rows.items() for row in rows]
+        return [{"model": model_title(name)} | row.as_json() for name, rows in self.rows.items() for row in rows]
 
     def figure(self) -> Figure | None:
         """Return the figure of the errors of all models on the screws; None if no judged model solved a screw.
@@ -283,7 +341,12 @@ class Survey(TabularRecord):
 
 
 def compare_models_on_random_screws(
-    models: Sequence[str], count: int, workers: int | None, limit: float, show_progress: Callable[[str], None]
+    models: Sequence[str],
+    count: int,
+    workers: int | None,
+    limit: float,
+    show_progress: Callable[[str], None],
+    store: str | Path | None = None,
 ) -> Survey:
     """Compare models with the 3D reference on the first ``count`` random screws.
 
@@ -301,6 +364,8 @@ def compare_models_on_random_screws(
         Largest allowed error of a contact load [% of the mean load].
     show_progress
         Function that is called with each line of progress.
+    store
+        Folder in which solved screws are looked up and stored, see `solve_many`; None: none.
 
     Returns
     -------
@@ -310,7 +375,8 @@ def compare_models_on_random_screws(
     Raises
     ------
     InputError
-        If a model or number is not valid, or a model fails on each of the screws that are tried first.
+        If a model or number is not valid, a model fails on each of the screws that are tried first, or the folder cannot be
+        used.
     """
     if not 1 <= count <= survey.DRAWN:
         allowed = f"1 to {survey.DRAWN} randomly drawn screws"
@@ -321,11 +387,11 @@ def compare_models_on_random_screws(
     for name in models:
         model_by_name(name, excluded_names=("condensed",))
     numbers = [number for number in range(count) if number in stored_loads()]
-    rows = {name: _judge_model_on_screws(name, numbers, workers, limit, show_progress) for name in models}
+    rows = _judge_models_on_screws(models, numbers, workers, limit, show_progress, store)
     ours = [r for r in survey.records_of_all_screws() if r["number"] in numbers]
-    record: dict[str, list[Row]] = {
+    record = {
         name: [
-            {"screw": r["number"], "title": r["title"].partition(": ")[2], "status": r["status"]} | r["models"][name]
+            SurveyRow(screw=r["number"], title=r["title"].partition(": ")[2], **r["models"][name])
             for r in ours
             if name in r.get("models", {})
         ]
@@ -335,38 +401,51 @@ def compare_models_on_random_screws(
     return Survey(screws=len(numbers), of=count, max_error=limit, judged=tuple(models), rows=rows | record)
 
 
-def _judge_model_on_screws(
-    model: str, numbers: Sequence[int], workers: int | None, limit: float, show_progress: Callable[[str], None]
-) -> list[Row]:
-    """Compare a model with the 3D reference on several random screws, and return one row for each, in their order.
+def _judge_models_on_screws(
+    models: Sequence[str],
+    numbers: Sequence[int],
+    workers: int | None,
+    limit: float,
+    show_progress: Callable[[str], None],
+    store: str | Path | None,
+) -> dict[str, list[SurveyRow]]:
+    """Compare models with the 3D reference on several random screws, and return a row for each, in their order, by model.
 
-    ``numbers``: numbers of the screws; ``workers``: number of parallel processes; ``limit``: largest allowed error [% of
-    the mean load]; ``show_progress``: function that is called with each line of progress. Raises the model's error if it
-    fails on each of the screws that are tried first.
+    ``numbers``: numbers of the screws; the other arguments are those of `compare_models_on_random_screws`. Raises the error
+    of a model that fails on each of the screws that are tried first.
     """
-    first = [judge_model_on_random_screw(model, number, limit) for number in numbers[:FIRST]]
-    errors = [row["error"] for row in first if "error" in row]
-    if first and len(errors) == len(first):
-        raise errors[0]
-    rows, begin, pulse = {row["screw"]: row for row in first}, perf_counter(), 0
-    left = {number: (model, number, limit) for number in numbers[FIRST:]}
-    for number, row in solve_many(judge_model_on_random_screw, left, ComputingSettings(parallel_jobs=workers)):
-        rows[number] = row
-        if len(rows) == len(numbers) or perf_counter() - begin > 10.0 * (pulse + 1):
-            pulse = int((perf_counter() - begin) / 10.0)
-            show_progress(f"[{len(rows)}/{len(numbers)}] {model_title(model)}: {perf_counter() - begin:.0f} s")
-    return [{k: v for k, v in rows[number].items() if k != "error"} for number in numbers]
+    origins = [(name, "" if name in MODELS else origin_of_model(name)) for name in models]
+    stored, engine = stored_in(store, "survey", "", origins, limit, survey.SEED), ComputingSettings(parallel_jobs=workers)
+    pairs = [(name, number) for name in models for number in numbers]
+    first = [k for k, (_, number) in enumerate(pairs) if number in numbers[:FIRST]]
+    rows, begin, pulse = dict[int, SurveyRow](), perf_counter(), 0
+    for some, of in ((first, None), ([k for k in range(len(pairs)) if k not in first], engine)):
+        for name in models if rows else ():
+            if all(row.status.startswith(REFUSED) for k, row in rows.items() if pairs[k][0] == name):
+                run_model(random_screw_scene(numbers[0]), name, OPTIONS)  # raises the error
+        asked = {k: (*pairs[k], limit) for k in some}
+        for k, row in solve_many(judge_model_on_random_screw, asked, of, stored=stored):
+            rows[k] = row
+            if len(rows) == len(pairs) or perf_counter() - begin > 10.0 * (pulse + 1):
+                pulse = int((perf_counter() - begin) / 10.0)
+                show_progress(f"[{len(rows)}/{len(pairs)}] {model_title(pairs[k][0])}: {perf_counter() - begin:.0f} s")
+    return {name: [rows[k] for k, pair in enumerate(pairs) if pair[0] == name] for name in models}
 
 
-def error_summary_rows_of_model(model: str, rows: Sequence[Row]) -> list[Row]:
+def errors_of_rows(rows: Sequence[SurveyRow], error: str) -> list[float]:
+    """Return one kind of error, a key of `ERRORS`, of all solved screws for which it is known [%], as magnitudes."""
+    known = (getattr(row, error) for row in rows if row.solved)
+    return [abs(value) for value in known if value is not None]
+
+
+def error_summary_rows_of_model(model: str, rows: Sequence[SurveyRow]) -> list[Row]:
     """Return a table row for each kind of error of a model: median, 95th percentile and maximum over the solved screws.
 
     ``model``: name of the model; ``rows``: rows of `judge_model_on_random_screw` for this model.
     """
     out = []
     for error, words in ERRORS.items():
-        sizes = [abs(r[error]) for r in rows if r["status"] == survey.ANSWERED and r.get(error) is not None]
-        if sizes:
+        if sizes := errors_of_rows(rows, error):
             found = model_title(model), words, len(sizes), *map(float, np.percentile(sizes, [50, 95])), max(sizes)
             out.append(dict(zip(("model", "error", "screws", "median", "p95", "largest"), found, strict=True)))
     return out
@@ -384,7 +463,7 @@ WHERE: dict[str, Callable[[Mapping[str, Any]], bool]] = {
 }
 
 
-def median_errors_by_screw_kind(models: Mapping[str, Sequence[Row]]) -> list[Row]:
+def median_errors_by_screw_kind(models: Mapping[str, Sequence[SurveyRow]]) -> list[Row]:
     """Return a table row for each kind of random screw (such as with clearance) with the median error of each model.
 
     The error is the largest one of a contact load on a screw, in per cent of the mean load. ``models``: rows of
@@ -395,7 +474,7 @@ def median_errors_by_screw_kind(models: Mapping[str, Sequence[Row]]) -> list[Row
     for words, fits in WHERE.items():
         chosen = {number for number, r in known.items() if "moment_Nm" in r and fits(r)}
         sizes = {
-            model_title(name): [r["largest_percent"] for r in rows if r["screw"] in chosen and "largest_percent" in r]
+            model_title(name): errors_of_rows([r for r in rows if r.screw in chosen], "largest_percent")
             for name, rows in models.items()
         }
         counts = [len(x) for x in sizes.values()]
@@ -404,28 +483,31 @@ def median_errors_by_screw_kind(models: Mapping[str, Sequence[Row]]) -> list[Row
     return out
 
 
-def figure_of_errors_on_random_screws(rows_by_model: Mapping[str, Sequence[Row]]) -> Figure:
+def figure_of_errors_on_random_screws(rows_by_model: Mapping[str, Sequence[SurveyRow]]) -> Figure:
     """Return a figure of the errors of models on randomly drawn screws.
 
     One panel shows the fraction of screws whose error is below a value, the other the error on every screw; screws are
     sorted by the error of the first model. ``rows_by_model``: results of each model, as the field ``rows`` of `Survey`.
     """
-    solved = survey.ANSWERED
-    models = {model_title(name): [r for r in rows if r["status"] == solved] for name, rows in rows_by_model.items()}
+    models = {
+        model_title(name): {
+            r.screw: (r.largest_percent, r.title) for r in rows if r.solved and r.largest_percent is not None
+        }
+        for name, rows in rows_by_model.items()
+    }
     lines, points = [], []
     main = next(iter(models))
-    order = [r["screw"] for r in sorted(models[main], key=lambda r: float(r["largest_percent"]))]
-    for title, rows in models.items():
-        if not rows:
+    order = sorted(models[main], key=lambda screw: models[main][screw])
+    for title, found in models.items():
+        if not found:
             continue
-        sizes = np.sort([r["largest_percent"] for r in rows])
+        sizes = np.sort([error for error, _ in found.values()])
         share = 100.0 * np.arange(1, sizes.size + 1) / sizes.size
         lines.append(Series(title, sizes.tolist(), share.tolist(), "line", bold=title == main))
-        by = {r["screw"]: r for r in rows}
-        found = [(k, by[number]) for k, number in enumerate(order, 1) if number in by]
-        names = [f"screw {r['screw']}, {r['title']}" for _, r in found]
-        errors = [r["largest_percent"] for _, r in found]
-        points.append(Series(title, [k for k, _ in found], errors, "markers", bold=title == main, point_names=names))
+        places = [(k, screw) for k, screw in enumerate(order, 1) if screw in found]
+        names = [f"screw {screw}, {found[screw][1]}" for _, screw in places]
+        errors = [found[screw][0] for _, screw in places]
+        points.append(Series(title, [k for k, _ in places], errors, "markers", bold=title == main, point_names=names))
     label = "largest error of a contact load / % of the mean load"
     title = "share of screws whose largest error is below a value"
     panels = (

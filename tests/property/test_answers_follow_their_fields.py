@@ -26,7 +26,7 @@ from rollbench.compare.results.table import Over, Table, TableRow
 from rollbench.compare.results.verdict import Verdict
 from rollbench.compare.studies.friction.solve import solve_friction_of_named_scene
 from rollbench.compare.studies.friction.whole import FrictionChoices
-from rollbench.compare.studies.survey_models import Survey
+from rollbench.compare.studies.survey_models import Survey, SurveyRow
 from rollbench.compare.studies.sweep.keys import read_varied_keys
 from rollbench.compare.studies.sweep.run import GroupMean, SobolIndex, SobolIndices, Sweep, SweepDefinition
 from rollbench.compare.text.friction import ball_tables, friction_lines
@@ -51,7 +51,7 @@ LEVEL = MeshLevel(
 )
 QUANTITY = MeshQuantity("largest load, SL", "N", (1, 3), (8.0, 9.0), 1.0, 2.0, 3.0, "alike", 5.0, 6.0)
 ROLLER = MeshQuantity("approach", "um", (1, 3), (8.0, 9.0), 1.0, 2.0, 3.0, by_laws={"norm": 4.0})
-SCREW = {"screw": 3, "status": "converged", "largest_percent": 5.0, "rms_percent": 6.0, "verdict": "pass"}
+SCREW = SurveyRow(screw=3, title="", status="converged", largest_percent=5.0, rms_percent=6.0, verdict="pass")
 OF_BALL = ("index", "orbit_rad_s", "loss_mW")
 BALL = FrictionBall(index=1, orbit=2.0, loss={"SL": 3.0}, keys=OF_BALL)
 LOSSES = FlankLosses(None, "SL", 1.0, 2.0, 3.0, 4.0, 5.0, 6.0)

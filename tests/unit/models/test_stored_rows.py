@@ -12,7 +12,7 @@ from tests.load_cases import TEXT, written
 from rollbench.compare.models import many
 
 #: Computing time in a text or in JSON.
-TIME = re.compile(r"[0-9.e+-]+ ms for each|\"seconds\": [0-9.e+-]+")
+TIME = re.compile(r"[0-9.e+-]+ ms for each|time [0-9.e+-]+ s a screw|\"seconds\": [0-9.e+-]+")
 
 
 class Spelling(NamedTuple):
@@ -34,6 +34,7 @@ VARY = ("sweep", "two-balls", "--vary", "errors.balls.oversize=4 um:7 um", "--me
 MEMBERS = ("solve", "random.toml", "--balls", "--model", "lin", "--members")
 CURVE = ("solve", "two.toml", "--model", "lin", "--curve")
 BESIDE = ("solve", "two-balls", "two.toml", "--model", "lin")
+SURVEY = ("survey", "--count", "8", "--model")
 SPELLINGS = {
     "sweep": Spelling((*VARY, "--samples", "4"), (*VARY, "--samples", "5"), 4, "--out", workers=True),
     "table": Spelling((*OVER, "--over", "screw.conformity=0.52,0.9"), OVER, 8, csv="--out", workers=True),
@@ -41,6 +42,7 @@ SPELLINGS = {
     "curve": Spelling((*CURVE, "-300N:300N:15"), (*CURVE, "-300N:300N:16"), 3, csv="--csv"),
     "solve A B": Spelling((*BESIDE, "clearance"), BESIDE, 3),
     "load cases": Spelling(("solve", "two.toml", "--model", "lin"), ("solve", "two.toml"), 3, csv="--loads-csv"),
+    "survey": Spelling((*SURVEY, "lin", "--model", "lin-cell"), (*SURVEY, "lin"), 16, workers=True),
 }
 each_spelling = pytest.mark.parametrize("name", SPELLINGS)
 

@@ -31,9 +31,9 @@ def test_stored_loads_are_those_that_the_record_judged_our_models_by():
     assert len(numbers) >= 4
     for number in numbers:
         row = survey_models.judge_model_on_random_screw("lin", number)
-        assert row["status"] == "converged"
+        assert row.status == "converged"
         for key in ("largest_percent", "rms_percent", "pressure_percent"):
-            assert row[key] == pytest.approx(record[number][key], abs=0.1), (number, key)
+            assert getattr(row, key) == pytest.approx(record[number][key], abs=0.1), (number, key)
 
 
 def test_loads_of_another_screw_judge_nothing(monkeypatch):
@@ -41,7 +41,7 @@ def test_loads_of_another_screw_judge_nothing(monkeypatch):
     changed = {**survey_models.stored_loads()[number], "of": "another"}
     monkeypatch.setattr(survey_models, "stored_loads", lambda: {number: changed})
     row = survey_models.judge_model_on_random_screw("lin", number)
-    assert (row["status"], "largest_percent" in row) == ("no stored reference", False)
+    assert (row.status, row.largest_percent) == ("no stored reference", None)
 
 
 @needs_awk
@@ -59,8 +59,8 @@ def test_a_program_is_judged_beside_ours(command, tmp_path, monkeypatch):
     assert all(f">{model}<" in drawing for model in errors)
     found = rollbench.survey(SHARE, count=12)
     assert found.median[SHARE] == pytest.approx(mine)
-    assert found.largest["lin"] == max(r["largest_percent"] for r in found.rows["lin"])
-    assert all(row["seconds"] > 0.0 and row["uncertainty_percent"] > 0.0 for row in found.rows[SHARE])
+    assert found.largest["lin"] == max(r.largest_percent for r in found.rows["lin"])
+    assert all(row.seconds > 0.0 and row.uncertainty_percent > 0.0 for row in found.rows[SHARE])
 
 
 def test_a_screw_without_answer_is_a_row_with_its_reason_and_the_exit_code_is_1(command, tmp_path, monkeypatch):
@@ -79,7 +79,7 @@ def test_a_screw_without_answer_is_a_row_with_its_reason_and_the_exit_code_is_1(
     assert reasons.keys() == left & {r["screw"] for r in data["models"][mine]} != set()
     assert all("exit code 1; its last line: right hand only" in reason for reason in reasons.values())
     assert (code, data["without_answer"][mine]) == (1, len(reasons))
-    assert survey_models.judge_model_on_random_screw("mei", next(iter(left)))["status"] == "the model does not describe it"
+    assert survey_models.judge_model_on_random_screw("mei", next(iter(left))).status == "the model does not describe it"
 
 
 @needs_awk
@@ -90,9 +90,9 @@ def test_a_drawn_screw_and_its_reference_are_files_that_check_takes(command, tmp
     words = ("check", f"{name}.toml", "--reference", f"{name}-reference.csv", "--no-compute", "--json")
     verdict = json.loads(command(*words, "--model-command", SHARE).out)["verdicts"][0]
     row = survey_models.judge_model_on_random_screw(SHARE, number)
-    assert verdict["max_percent_of_mean"] == pytest.approx(row["largest_percent"], rel=1e-6)
-    assert verdict["error_percent"] == pytest.approx(row["gate_percent"], rel=1e-6)
-    assert verdict["word"] == row["verdict"] == "fail"
+    assert verdict["max_percent_of_mean"] == pytest.approx(row.largest_percent, rel=1e-6)
+    assert verdict["error_percent"] == pytest.approx(row.gate_percent, rel=1e-6)
+    assert verdict["word"] == row.verdict == "fail"
 
 
 @pytest.mark.parametrize("words", ["--count 0 --model lin", "--screw 360", "", "--model lni", "--screw 0 --model lin"])
