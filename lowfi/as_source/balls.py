@@ -5,8 +5,6 @@ Numbers of sections and equations in this module are those of Lin's thesis (2019
 The motion of every ball is computed separately first. Neighbours that are near enough to touch and approach each other then
 count as touching. Each group of touching balls is one system of equations: the force balance of all its balls and equal
 velocities of neighbours, with the ball-to-ball forces as further unknowns.
-
-Balls in a linear bearing (sections 3.3.1 and 3.3.2) are solved in the same way.
 """
 
 from __future__ import annotations
@@ -20,8 +18,6 @@ from scipy.optimize import root
 
 from rollbench.lowfi.friction.contact import laws
 from rollbench.lowfi.friction.contact.equilibrium import HYBRID
-from rollbench.lowfi.friction.linear.bearing import LinearBearing
-from rollbench.lowfi.friction.linear.chain import prepare_linear_chain
 from rollbench.meshes.arrays import Array, Index, Mask
 
 #: Outcome of a search by Lin's method, see `BallMotionsByLin.status`.
@@ -358,36 +354,3 @@ def solve_motions_of_balls_by_root(
     balanced = ball_forces_and_losses(balls, law, q, force)
     status = status_of_solution(pair, left, q, force, balls.largest_friction_bound, may_touch & ~touch)
     return BallMotionsByLin(q, free, force, balanced.groove_loss, balanced.ball_loss, left, calls, status)
-
-
-#: Unknowns of a ball of a linear bearing in Lin's thesis, among the four of `StraightTrack`: its speed v along the track
-#: [m/s] and its angular speeds omega_x and omega_y about the two axes across the track [rad/s].
-ACROSS = [0, 3, 1]
-
-
-def balls_of_linear_bearing(bearing: LinearBearing, angles: Array, loads: Array) -> LoadedBalls:
-    """Return N balls of a linear bearing with the kinematics of their contacts, by equations 3.22 to 3.29 of Lin's thesis.
-
-    ``bearing``: the bearing with its speed; ``angles``: contact angles ``(N, 4)`` [rad]; ``loads``: normal loads ``(N, 4)``
-    [N], both in the order BL, BR, TR, TL (bottom or top, left or right). Raises ValueError if a load is negative.
-    """
-    chain = prepare_linear_chain(bearing, angles, loads)
-    track, rubs = chain.groove, chain.friction_contacts
-    first, second = track.pair.first_ball_surface_speeds[:, ACROSS], track.pair.second_ball_surface_speeds[:, ACROSS]
-    units, nominal = track.levers[ACROSS], track.nominal_motion[ACROSS]
-    between = BallToBallContact(first, second, track.pair.closing_speed_factor, bearing.mu_balls, units, nominal)
-    at = laws.contacts_from_values(rubs.a.ravel(), rubs.b.ravel(), chain.force.ravel(), bearing.mu)
-    return LoadedBalls(at, rubs.maps[..., ACROSS], rubs.drives, between)
-
-
-def linear_bearing_friction_law(bearing: LinearBearing, sharpness: float | None = SHARPNESS) -> laws.FrictionLaw:
-    """Return the sigmoid friction law of equation 3.20 of Lin's thesis for a linear bearing, or Coulomb's law.
-
-    ``bearing``: bearing with carriage speed v, contact angle beta and ball radius R_B; ``sharpness``: factor k_S of the
-    sigmoid; None: Coulomb's law. The reference spin of the sigmoid is the nominal spin v tan(beta)/(2 R_B). This is an
-    assumption: equation 3.25 contains no sigmoid, and the reference for rotary bearings, the difference of the spins of
-    both rings, is zero between grooves that do not turn.
-    """
-    if sharpness is None:
-        return laws.CoulombLaw()
-    return laws.SigmoidLaw(sharpness, 0.5 * abs(bearing.speed) * float(np.tan(bearing.contact_angle)) / bearing.ball_radius)

@@ -1,10 +1,9 @@
-"""Robustness of the friction solvers on extreme cases: least dissipation compared with the root finding of Lin's thesis.
+"""Robustness of the friction solvers on extreme cases, beside how often the root finding of Lin's thesis solved them.
 
 The cases are single balls, pairs, rows of neighbouring balls, and bearings with clearance, with inputs far from those of
 the thesis. Every case is solved from the solver's default start and from random ones. Each solution must converge, balance
-power input and dissipation, and agree with the first one. Lin's method starts from random motions and finds a root of the
-force balance under his sigmoid friction law. For one ball, the contact loads are those of the solver of least dissipation;
-for several balls, Lin's method is that in ``lowfi.as_source.screw``.
+power input and dissipation, and agree with the first one. How often Lin's root finding solved the same cases was counted
+once; the counts are stored in ``root-finding.toml``.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from math import radians
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,21 +23,9 @@ from rollbench.compare.cases.lin.evidence.source_cases import (
     pair_as_printed,
     screw_groove,
 )
-from rollbench.lowfi.as_source.balls import SHARPNESS, BallMotionsByLin
-from rollbench.lowfi.as_source.screw import (
-    chain_motions_from_random_starts,
-    linear_solutions_from_starts,
-    pair_solutions_from_starts,
-    sigmoid_of_moving_or_resting_screw,
-)
+from rollbench.compare.files import read_shipped_toml
 from rollbench.lowfi.friction.bearing import Bearing, solve_ball_of_bearing, solve_bearing
-from rollbench.lowfi.friction.contact.equilibrium import (
-    BodyMotionProblem,
-    least_dissipation,
-    least_dissipations,
-    motion_by_root,
-)
-from rollbench.lowfi.friction.contact.laws import SigmoidLaw
+from rollbench.lowfi.friction.contact.equilibrium import BodyMotionProblem, least_dissipation, least_dissipations
 from rollbench.lowfi.friction.linear import chain as linear_chain
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, contact_angle_deviations, loads_in_equilibrium
 from rollbench.lowfi.friction.screw.chain import ChainMotion, ScrewBallChain, screw_ball_chain, solve_motion_of_chain
@@ -47,7 +34,7 @@ from rollbench.lowfi.friction.screw.run import Pair, solve_pair_of_screw_balls
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Cell, ColumnKey, Table, Text
 
-#: Values of k_S, the sharpness of Lin's sigmoid friction law; 100 in cases that vary another input.
+#: Values of k_S, the sharpness of Lin's sigmoid friction law, for which his root finding was tried; 100 in other cases.
 SHARPNESSES = (100.0, 1e3, 1e4)
 
 #: Number of random starts for one ball and for several, besides the solver's default start; largest relative distances
@@ -70,14 +57,28 @@ SMALL = (1e-3, 1e-2, 0.1, 0.3)
 #: Numbers of neighbouring balls in a linear bearing and in a ball screw.
 BALLS = (2, 5, 10, 20, 50, 100, 200)
 
-#: Largest number of balls solved by Lin's method, in the groups over the coefficient of friction.
-SOURCE_BALLS = 20
-
 #: Fraction of contacts without load, in the cases with unloaded contacts.
 UNLOADED = 0.25
 
-#: Largest difference of ball-to-ball forces, over the friction bound, up to which a root counts as the same solution.
-OTHER = 1e-3
+
+class RootFindingCount(NamedTuple):
+    """How often Lin's root finding solved a group of cases, as it was counted once."""
+
+    #: Number of solutions in which no balls overlap.
+    solved: int
+    #: Number of starts.
+    tries: int
+    #: Number of roots with overlapping balls.
+    overlapping: int = 0
+    #: Number of solutions with ball-to-ball forces that differ from this package's solution.
+    other_forces: int = 0
+
+
+def root_finding_counts() -> dict[tuple[str, str, str], RootFindingCount]:
+    """Return the stored counts of Lin's root finding, by group, model and note of `ExtremeGroup`."""
+    rows = [dict(row) for row in read_shipped_toml("cases/lin/root-finding.toml")["counts"]]
+    keys = [(row.pop("varied"), row.pop("model"), row.pop("note", "")) for row in rows]
+    return {key: RootFindingCount(**row) for key, row in zip(keys, rows, strict=True)}
 
 
 @dataclass
@@ -101,36 +102,10 @@ class ExtremeGroup:
     #: Largest difference between the results of one case from several starting points. For one ball: of its friction loss,
     #: divided by the loss; for several balls: of the ball-to-ball force, divided by the largest possible friction force.
     spread: float = 0.0
-    #: Number of solutions found by Lin's method in which no balls overlap.
-    source: int = 0
-    #: Number of solution runs by Lin's method, successful or not.
-    source_tries: int = 0
     #: Number of random starts from which the solver converged without falling back on its default start.
     converged_from_random_starts: int = 0
     #: Number of random starts.
     random_starts: int = 0
-    #: Number of roots found by Lin's method with overlapping balls.
-    roots_with_overlap: int = 0
-    #: Number of roots found by Lin's method with ball-to-ball forces that differ from this package's solution.
-    roots_with_other_forces: int = 0
-
-    def count_solution_by_lin_method(self, found: BallMotionsByLin | None, force: Array, friction_bound: float) -> None:
-        """Count one attempt by Lin's root finding, and compare its ball-to-ball forces with those of least dissipation.
-
-        ``found``: the motion that Lin's method found, or None if it found no contact loads; ``force``: ball-to-ball forces
-        (n,) [N] by this package's solver, for n pairs of neighbouring balls; ``friction_bound``: largest possible friction
-        force between two balls [N], by which differences of forces are divided. A root counts as a solution if no two balls
-        overlap and no ball-to-ball force is tensile; the field ``roots_with_other_forces`` counts such roots whose forces
-        differ from ``force``.
-        """
-        self.source_tries += 1
-        if found is None or found.status == "failed":
-            return
-        self.roots_with_overlap += found.status == "overlapping"
-        if found.status == "exact":
-            self.source += 1
-            difference = float(np.max(np.abs(found.ball_force - force), initial=0.0))
-            self.roots_with_other_forces += difference > OTHER * (friction_bound or 1.0)
 
     def count_own_solution(self, converged: bool, power: float, loss: float, relative_difference: float) -> None:
         """Count one solution of this package's friction solver, and update the largest errors.
@@ -145,6 +120,11 @@ class ExtremeGroup:
         self.spread = max(self.spread, relative_difference)
 
     @property
+    def counted(self) -> RootFindingCount | None:
+        """Stored count of Lin's root finding on the same cases; None if it was not tried on them."""
+        return root_finding_counts().get((self.group, self.model, self.note))
+
+    @property
     def remark(self) -> str:
         """Remark for the table: `note`, then those on random starts and on roots of Lin's method that are no solutions."""
         remarks = [self.note] if self.note else []
@@ -152,44 +132,29 @@ class ExtremeGroup:
             remarks.append(
                 f"{self.converged_from_random_starts} of {self.random_starts} random starts led there by themselves"
             )
-        for count, what in (
-            (self.roots_with_overlap, "let balls overlap"),
-            (self.roots_with_other_forces, "differ from the solution found here"),
-        ):
-            if count:
-                remarks.append(f"roots by Lin's method that {what}: {count}")
+        if self.counted is not None and self.counted.overlapping:
+            remarks.append(f"roots by Lin's method that let balls overlap: {self.counted.overlapping}")
+        if self.counted is not None and self.counted.other_forces:
+            remarks.append(f"roots by Lin's method that differ from the solution found here: {self.counted.other_forces}")
         return "; ".join(remarks)
 
 
-@dataclass(frozen=True)
-class BallMotionProblem:
-    """The motion of one ball under given contact loads, as posed to both methods: least dissipation and Lin's root finding.
-
-    ``problem``: contacts of the ball and velocities of the driven surfaces; ``friction_law``: Lin's sigmoid friction law.
-    """
-
-    problem: BodyMotionProblem
-    friction_law: SigmoidLaw
-
-
-def rotary_ball_problem(bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS) -> BallMotionProblem:
+def rotary_ball_problem(bearing: Bearing, axial: float, u_y: float) -> BodyMotionProblem:
     """Return the motion problem of one ball of the rotary bearing of section 3.2 of Lin's thesis.
 
     ``bearing``: grooves, balls and friction; ``axial``: axial load on the inner ring [N]; ``u_y``: radial displacement of
-    the inner ring [m]; ``sharpness``: k_S of Lin's sigmoid friction law, the larger the closer to Coulomb's law.
+    the inner ring [m].
     """
-    problem = solve_ball_of_bearing(bearing, axial, u_y).problem
-    return BallMotionProblem(problem, sigmoid_of_moving_or_resting_screw(bearing, sharpness))
+    return solve_ball_of_bearing(bearing, axial, u_y).problem
 
 
-def screw_ball_problem(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> BallMotionProblem:
+def screw_ball_problem(pair: Pair, force: Array | None = None) -> BodyMotionProblem:
     """Return the problem of finding how one ball of a ball screw slides and spins, given the loads of its contacts.
 
     The ball is the second of a pair whose balls do not touch each other.
 
     ``pair``: both balls with their grooves; ``force``: loads (4,) [N] of the ball's contacts SL, SR, NL and NR (screw or
-    nut, left or right) at the nominal contact angle; None: loads and contact angles of the solved pair. ``sharpness``: k_S
-    of Lin's sigmoid friction law.
+    nut, left or right) at the nominal contact angle; None: loads and contact angles of the solved pair.
     """
     g = pair.groove
     angle = np.full(4, g.contact_angle)
@@ -197,65 +162,53 @@ def screw_ball_problem(pair: Pair, force: Array | None = None, sharpness: float 
         load = solve_pair_of_screw_balls(pair).apart.loads_with_friction
         force, angle = load.force[1], load.angle[1]
     maps, drives = g.contact_kinematics(g.normals(angle))
-    problem = BodyMotionProblem(contact_ellipses_of_screw(g, force), maps, drives, np.zeros(4))
-    return BallMotionProblem(problem, sigmoid_of_moving_or_resting_screw(g, sharpness))
-
-
-def solve_ball_by_both_methods(
-    tally: ExtremeGroup, ball: BallMotionProblem, rng: np.random.Generator, start_distance: float
-) -> None:
-    """Solve a ball's motion by least dissipation and by Lin's root finding from random starts, and count the solutions.
-
-    ``tally``: counts of the group of cases, which are updated; ``ball``: motion problem; ``rng``: generator of the random
-    starts; ``start_distance``: largest relative distance of the starts from the solution of least dissipation.
-    """
-    tally.cases += 1
-    first = least_dissipation(ball.problem)
-    motion = first.unknown_velocities
-    size = float(np.max(np.abs(motion))) or 1.0
-    largest = np.maximum(np.abs(motion), 0.01 * size)
-    starts = [motion + start_distance * rng.uniform(-1.0, 1.0, motion.size) * largest for _ in range(STARTS)]
-    for m in (first, *least_dissipations([ball.problem] * STARTS, np.array(starts))):
-        wrench = np.column_stack([m.friction.force, m.friction.moment])  # friction on the ball at each contact
-        power = -float(np.sum(wrench * ball.problem.imposed_contact_motions))  # that the driven surfaces supply [W]
-        apart = abs(m.loss - first.loss) / first.loss if first.loss > 0.0 else abs(m.loss)
-        tally.count_own_solution(m.status != "failed", power, m.loss, apart)
-    for q in starts:
-        tally.source += motion_by_root(ball.problem, ball.friction_law, q).status == "exact"
-        tally.source_tries += 1
+    return BodyMotionProblem(contact_ellipses_of_screw(g, force), maps, drives, np.zeros(4))
 
 
 def solve_ball_group(
-    group: str, model: str, balls: Sequence[BallMotionProblem], note: str = "", start_distance: float = FAR_START
+    group: str, model: str, balls: Sequence[BodyMotionProblem], note: str = "", start_distance: float = FAR_START
 ) -> ExtremeGroup:
-    """Solve a group of single balls by least dissipation and by Lin's root finding, and return the group's results.
+    """Solve a group of single balls by least dissipation, also from random starts, and return the group's results.
 
     ``group``: name of the inputs that are varied; ``model``: name of the model; ``balls``: motion problems; ``note``:
     remark for the table; ``start_distance``: largest relative distance of the random starts from the solution.
     """
     rng, tally = np.random.default_rng(1), ExtremeGroup(group, model, note)
     for ball in balls:
-        solve_ball_by_both_methods(tally, ball, rng, start_distance)
+        tally.cases += 1
+        first = least_dissipation(ball)
+        motion = first.unknown_velocities
+        size = float(np.max(np.abs(motion))) or 1.0
+        largest = np.maximum(np.abs(motion), 0.01 * size)
+        starts = [motion + start_distance * rng.uniform(-1.0, 1.0, motion.size) * largest for _ in range(STARTS)]
+        for m in (first, *least_dissipations([ball] * STARTS, np.array(starts))):
+            wrench = np.column_stack([m.friction.force, m.friction.moment])  # friction on the ball at each contact
+            power = -float(np.sum(wrench * ball.imposed_contact_motions))  # that the driven surfaces supply [W]
+            apart = abs(m.loss - first.loss) / first.loss if first.loss > 0.0 else abs(m.loss)
+            tally.count_own_solution(m.status != "failed", power, m.loss, apart)
     return tally
 
 
 def solve_all_single_ball_groups() -> list[ExtremeGroup]:
-    """Solve all groups of single balls under given contact loads, and return the results of each group."""
+    """Solve all groups of single balls under given contact loads, and return the results of each group.
+
+    The sharpness k_S is that of Lin's method alone: the groups for several values have the same solutions here.
+    """
     two, cases = radians(2.0), CASES.values()
     oversized, printed = oversized_pair(two), pair_as_printed(two)
+    as_printed = [rotary_ball_problem(replace(ROTARY, hertz="as printed"), AXIAL, u) for u in cases]
+    of_table = [screw_ball_problem(pair) for pair in (printed, oversized)]
     rows = []
-    for off, k in product((NEAR_START, FAR_START), SHARPNESSES):
-        note = f"starts within {off:.0%}"
-        balls = [rotary_ball_problem(replace(ROTARY, hertz="as printed"), AXIAL, u, k) for u in cases]
-        rows.append(solve_ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", balls, note, off))
-        balls = [screw_ball_problem(pair, None, k) for pair in (printed, oversized)]
-        rows.append(solve_ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", balls, note, off))
+    for off in (NEAR_START, FAR_START):
+        kinds = ("rotary, cases I to III as printed", as_printed), ("screw, pair of Table 3.7", of_table)
+        found = [solve_ball_group("", model, balls, f"starts within {off:.0%}", off) for model, balls in kinds]
+        rows += [replace(tally, group=f"k_S {k:g}") for k in SHARPNESSES for tally in found]
 
-    def rotary(axial: float = AXIAL, u_y: float = 0.0, **changes: Any) -> BallMotionProblem:
+    def rotary(axial: float = AXIAL, u_y: float = 0.0, **changes: Any) -> BodyMotionProblem:
         """Return the motion problem of the rotary bearing's ball, with changed fields of the bearing."""
         return rotary_ball_problem(replace(ROTARY, **changes), axial, u_y)
 
-    def screw(pair: Pair, **changes: Any) -> BallMotionProblem:
+    def screw(pair: Pair, **changes: Any) -> BodyMotionProblem:
         """Return the motion problem of a ball of the pair ``pair``, with changed fields of the pair."""
         return screw_ball_problem(replace(pair, **changes))
 
@@ -263,7 +216,7 @@ def solve_all_single_ball_groups() -> list[ExtremeGroup]:
     diagonals = [100.0 * np.array([1.0, 10.0**-k, 10.0**-k, 1.0]) for k in range(13)]
     around, mu, loads = 1e-6 * np.linspace(4.2, 4.5, 13), "mu 0.001 to 0.5", "loads 1e-3 to 1e5 N"
     transition, loose, still = "two-point transition", "clearance to 10 µm", "zero speed"
-    groups: tuple[tuple[str, str, list[BallMotionProblem], str], ...] = (
+    groups: tuple[tuple[str, str, list[BodyMotionProblem], str], ...] = (
         ("theta to ±5°", "screw", [screw(oversized_pair(radians(t))) for t in ANGLES], ""),
         (mu, "screw", [screw(oversized, groove=screw_groove(mu=m)) for m in MU], ""),
         (mu, "rotary", [rotary(u_y=u, mu=m) for m, u in product(MU, cases)], ""),
@@ -309,14 +262,12 @@ def solve_linear_group(
     cases: Sequence[LinearBearingBalls],
     model: str = "linear pair",
     random_starts: int = CHAIN_STARTS,
-    most_balls_by_lin_method: int = 200,
     note: str = "",
 ) -> ExtremeGroup:
-    """Solve neighbouring balls of a linear bearing by least dissipation and by Lin's method; return the group's results.
+    """Solve neighbouring balls of a linear bearing by least dissipation, and return the group's results.
 
     ``group``: name of the inputs that are varied; ``cases``: rows of balls; ``model``: name of the model;
-    ``random_starts``: number of random starts in addition to the solver's default start; ``most_balls_by_lin_method``:
-    largest number of balls in a row that Lin's method also solves; ``note``: remark for the table.
+    ``random_starts``: number of random starts in addition to the solver's default start; ``note``: remark for the table.
     """
     rng, tally = np.random.default_rng(2), ExtremeGroup(group, model, note)
     for case in cases:
@@ -329,11 +280,6 @@ def solve_linear_group(
             r = solve_motion_of_chain(c, start)
             apart = float(np.max(np.abs(r.ball_force - first))) / (c.largest_friction_bound or 1.0)
             tally.count_own_solution(r.converged, r.input_power, r.loss, apart)
-        if len(c.force) > most_balls_by_lin_method:
-            continue
-        starts = case.bearing, case.contact_angles, case.loads, rng, random_starts, FAR_START
-        for found in linear_solutions_from_starts(*starts):
-            tally.count_solution_by_lin_method(found, first[:-1], c.largest_friction_bound)
     return tally
 
 
@@ -375,10 +321,10 @@ def random_balls_with_unloaded_contacts(count: int, mu: float) -> LinearBearingB
 
 
 def solve_pair_group(group: str, pairs: Sequence[Pair], note: str = "") -> ExtremeGroup:
-    """Solve two touching balls of a screw by this package and by Lin's method; return the group's results.
+    """Solve two touching balls of a screw, also from random motions and ball-to-ball forces; return the group's results.
 
-    Contact loads and motions are solved; both methods also start from random motions and ball-to-ball forces. ``group``:
-    name of the inputs that are varied; ``pairs``: the cases; ``note``: remark for the table.
+    Contact loads and motions are solved. ``group``: name of the inputs that are varied; ``pairs``: the cases; ``note``:
+    remark for the table.
     """
     rng, tally = np.random.default_rng(3), ExtremeGroup(group, "screw pair", note)
     for p in pairs:
@@ -389,9 +335,6 @@ def solve_pair_group(group: str, pairs: Sequence[Pair], note: str = "") -> Extre
         load = r.touching.loads_with_friction
         chain = screw_ball_chain(p.groove, load.force, p.groove.normals(load.angle), np.array([0.0, np.inf]))
         count_solutions_from_random_starts(tally, chain, m, rng, FAR_START)
-        bound = p.groove.mu * float(r.ball_loads.max())
-        for found in pair_solutions_from_starts(p, r, rng, CHAIN_STARTS, FAR_START):
-            tally.count_solution_by_lin_method(found, m.ball_force[:1], bound)
     return tally
 
 
@@ -415,31 +358,21 @@ def count_solutions_from_random_starts(
         tally.converged_from_random_starts += m.found_from_given_start
 
 
-def random_loads_angles_and_closing_rates(count: int) -> tuple[Array, Array, Array]:
-    """Return random contact loads (N, 4) [N], contact angles (N, 4) [rad] and permitted closing rates (N,) of N balls.
+def random_screw_balls(count: int) -> ScrewBallChain:
+    """Return neighbouring balls of a screw with random contact loads, contact angles and permitted closing rates.
 
-    The balls are neighbours in a screw. ``count``: the number N, also the seed of the random numbers. The permitted closing
-    rate is the largest rate [rad/s] at which a ball may gain on the next one; it is infinite for the last ball.
+    ``count``: number of balls, also the seed of the random numbers. The permitted closing rate is the largest rate [rad/s]
+    at which a ball may gain on the next one; it is infinite for the last ball.
     """
     g, rng = screw_groove(), np.random.default_rng(count)
     force = rng.uniform(20.0, 60.0, (count, 4))
     angle = g.contact_angle + np.radians(rng.uniform(-3.0, 3.0, (count, 4)))
     slack = np.where(rng.uniform(size=count) < 0.7, 0.0, rng.uniform(0.0, 0.05, count))
-    return force, angle, np.append(slack[:-1], np.inf)
-
-
-def random_screw_balls(count: int) -> ScrewBallChain:
-    """Return neighbouring balls of a screw with random contact loads, contact angles and permitted closing rates.
-
-    ``count``: number of balls. The permitted closing rate of a ball is the largest rate [rad/s] at which it may gain on the
-    next one.
-    """
-    g, (force, angle, slack) = screw_groove(), random_loads_angles_and_closing_rates(count)
-    return screw_ball_chain(g, force, g.normals(angle), slack)
+    return screw_ball_chain(g, force, g.normals(angle), np.append(slack[:-1], np.inf))
 
 
 def solve_screw_chain_group() -> ExtremeGroup:
-    """Solve rows of neighbouring balls of a screw by this package and by Lin's method; return the results of all rows.
+    """Solve rows of neighbouring balls of a screw, and return the results of all rows.
 
     The rows have the numbers of balls in `BALLS`.
     """
@@ -450,10 +383,6 @@ def solve_screw_chain_group() -> ExtremeGroup:
         m = solve_motion_of_chain(chain)
         tally.count_own_solution(m.converged, m.input_power, m.loss, 0.0)
         count_solutions_from_random_starts(tally, chain, m, rng, NEAR_START)
-        bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
-        angles = random_loads_angles_and_closing_rates(count)[1]
-        for found in chain_motions_from_random_starts(chain, angles, m, rng, CHAIN_STARTS, NEAR_START):
-            tally.count_solution_by_lin_method(found, m.ball_force[:-1], bound)
     return tally
 
 
@@ -483,7 +412,7 @@ def solve_all_groups_of_touching_balls() -> list[ExtremeGroup]:
         ("two-point transition", [linear_pair(2.0, -1.0 + 10.0**-k) for k in range(1, 13)]),
         ("zero speed", [linear_pair(2.0, -0.6, speed=0.0)]),
     )
-    few = 1, SOURCE_BALLS, f"one random start; source up to {SOURCE_BALLS} balls"
+    few = 1, "one random start; Lin's method up to 20 balls"
     balls = [random_linear_balls(n, m) for n, m in product(BALLS, MU)]
     unloaded = [random_balls_with_unloaded_contacts(n, m) for n, m in product(BALLS, MU)]
     pairs: tuple[tuple[str, list[Pair], str], ...] = (
@@ -520,16 +449,17 @@ def solve_all_extreme_groups() -> list[ExtremeGroup]:
     return [*solve_all_single_ball_groups(), *solve_all_groups_of_touching_balls()]
 
 
-def root_finding_success_in_words(tried: Sequence[ExtremeGroup]) -> str:
-    """Return in words from how many starts Lin's root finding finds a solution, for each model, the lowest fraction first.
+def root_finding_success_in_words(found: Sequence[ExtremeGroup]) -> str:
+    """Return in words from how many starts Lin's root finding found a solution, for each model, the lowest fraction first.
 
-    ``tried``: results of the groups of cases that Lin's method can solve.
+    ``found``: results of groups of cases; those that Lin's method was not tried on are left out.
     """
     counts: dict[str, tuple[int, int]] = {}
-    for r in tried:
-        solved, tries = counts.get(r.model, (0, 0))
-        counts[r.model] = solved + r.source, tries + r.source_tries
-    worst_first = sorted(counts.items(), key=lambda item: item[1][0] / max(item[1][1], 1))
+    for r in found:
+        if r.counted is not None:
+            solved, tries = counts.get(r.model, (0, 0))
+            counts[r.model] = solved + r.counted.solved, tries + r.counted.tries
+    worst_first = sorted(counts.items(), key=lambda item: item[1][0] / item[1][1])
     return "; ".join(f"{model}: {solved} of {tries}" for model, (solved, tries) in worst_first)
 
 
@@ -539,6 +469,8 @@ def extreme_cases_text_and_table(found: Sequence[ExtremeGroup] | None = None) ->
     ``found``: results of all groups of cases; None: all cases are solved here.
     """
     found = solve_all_extreme_groups() if found is None else found
+    counts = [r.counted for r in found]
+    tried = [count for count in counts if count is not None]
     columns: dict[ColumnKey, Sequence[Cell]] = {
         "varied_input": [r.group for r in found],
         "friction_model": [r.model for r in found],
@@ -546,27 +478,26 @@ def extreme_cases_text_and_table(found: Sequence[ExtremeGroup] | None = None) ->
         "solved_here": [f"{r.ours} of {r.tries}" for r in found],
         "largest_power_error": [r.energy for r in found],
         "result_spread": [r.spread for r in found],
-        "solved_by_lin": [f"{r.source} of {r.source_tries}" if r.source_tries else "–" for r in found],
+        "solved_by_lin": ["–" if count is None else f"{count.solved} of {count.tries}" for count in counts],
         "remark": [r.remark for r in found],
     }
-    tried = [r for r in found if r.source_tries]
     text = (
-        f"This package's solvers find {sum(r.ours for r in found)} of {sum(r.tries for r in found)} solutions, Lin's root "
-        f"finding {sum(r.source for r in tried)} of {sum(r.source_tries for r in tried)}. By model, the worst "
-        f"first: {root_finding_success_in_words(tried)}. Lin's method decides which balls touch from their motions without "
-        f"contact (Lin 3.31, 3.77), so "
+        f"This package's solvers find {sum(r.ours for r in found)} of {sum(r.tries for r in found)} solutions. Lin's root "
+        f"finding found {sum(c.solved for c in tried)} of {sum(c.tries for c in tried)}, as it was counted once, with "
+        f"version 0.16.0. By model, the worst first: {root_finding_success_in_words(found)}. Lin's method decides which "
+        "balls touch from their motions without contact (Lin 3.31, 3.77), so "
         "that its roots for longer rows of balls may let balls overlap; these do not count as solved.",
     )
     note = (
         "Each case is solved from the solver's default start and from random ones. Difference between starts: of the loss "
-        "of one ball, or of ball-to-ball forces over the largest friction bound. Lin's method: a root of the force balance "
-        "under his sigmoid friction law (sharpness k_S = 100 unless varied), by MINPACK's hybrid method with a short first "
-        f"step. Random starts: for one ball {STARTS} within {FAR_START:.0%} of the solution unless stated otherwise; for "
-        f"pairs and chains {CHAIN_STARTS} within {FAR_START:.0%} ({NEAR_START:.0%} for chains of a screw). A chain of a "
-        "screw that Newton's method does not solve from a random start is restarted from the default start. Where friction "
-        "between balls permits more than one state (jammed or apart), the state reached by continuation from zero friction "
-        "is reported. A nearly unloaded ball of a screw with clearance may also float or be wedged by its own friction; "
-        "its restarts keep the loads found first."
+        "of one ball, or of ball-to-ball forces over the largest friction bound. Lin's method (stored counts): a root of "
+        "the force balance under his sigmoid friction law (sharpness k_S = 100 unless varied), by MINPACK's hybrid "
+        f"method with a short first step. Random starts: for one ball {STARTS} within {FAR_START:.0%} of the solution "
+        f"unless stated otherwise; for pairs and chains {CHAIN_STARTS} within {FAR_START:.0%} ({NEAR_START:.0%} for chains "
+        "of a screw). A chain of a screw that Newton's method does not solve from a random start is restarted from the "
+        "default start. Where friction between balls permits more than one state (jammed or apart), the state reached by "
+        "continuation from zero friction is reported. A nearly unloaded ball of a screw with clearance may also float or "
+        "be wedged by its own friction; its restarts keep the loads found first."
     )
     title = "Extreme cases: solutions from all starting points, by this package's friction solvers and Lin's method"
     return Text(text), Table("friction-extremes", title, columns, note)

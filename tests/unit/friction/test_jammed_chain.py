@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 from tests.friction_oracles import dissipated_power
+from tests.lin_root_oracle import balls_of_linear_bearing
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.studies.friction.solve import solve_friction_of_named_scene
 from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.compare.text.friction import friction_text
-from rollbench.lowfi.as_source.balls import balls_of_linear_bearing
 from rollbench.lowfi.friction.linear.bearing import loads_of_elastic_contacts
 from rollbench.lowfi.friction.linear.chain import carriage_drive_force, find_second_equilibrium, prepare_linear_chain
 from rollbench.lowfi.friction.screw.chain import solve_motion_of_chain

@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from tests.lin_root_oracle import balls_of_linear_bearing, linear_bearing_friction_law
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.as_source import balls as chain
@@ -25,13 +26,13 @@ def ours():
 
 def by_root(sharpness):
     """The case by the source's method, with Coulomb's law or a sigmoid."""
-    law = chain.linear_bearing_friction_law(BEARING, sharpness)
+    law = linear_bearing_friction_law(BEARING, sharpness)
     return solve_by_root(BEARING, *linear_chain.pair_angles_and_loads(BEARING, *CASE), law=law)
 
 
 def solve_by_root(bearing, angles, loads, may_touch=True, law=None):
     """Motion of balls by the source's method, equations 3.25 to 3.31; by Coulomb's law where none is given."""
-    balls = chain.balls_of_linear_bearing(bearing, angles, loads)
+    balls = balls_of_linear_bearing(bearing, angles, loads)
     near = np.broadcast_to(np.asarray(may_touch, dtype=bool), (balls.count - 1,))
     return chain.solve_motions_of_balls_by_root(balls, CoulombLaw() if law is None else law, near)
 

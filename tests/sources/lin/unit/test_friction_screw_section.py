@@ -1,8 +1,5 @@
 """Report's section on friction in a ball screw, stability of friction, run times: entries, verdicts, data."""
 
-from dataclasses import replace
-from itertools import count
-
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
@@ -31,21 +28,12 @@ def section() -> Section:
         return friction.screw_section(STUDY, lambda _: None)
 
 
-def every_fourth(starts):
-    """The source's method on the first and then each fourth of the cases that it is tried on."""
-    number = count()
-    return lambda *args: starts(*args) if next(number) % 4 == 0 else ()
-
-
 @pytest.fixture(scope="module")
 def records() -> list[ExtremeGroup]:
-    """The report's table but for chains of 10 to 200 balls (below: the longest once), from fewer random starts, and the
-    source's method on a quarter of the pairs: these take most of its time."""
+    """The report's table but for chains of 10 to 200 balls (below: the longest once), from fewer random starts."""
     with pytest.MonkeyPatch.context() as patch:
         for name, value in (("BALLS", (2, 5)), ("CHAIN_STARTS", 1), ("STARTS", 3)):
             patch.setattr(extremes, name, value)
-        for name in ("linear_solutions_from_starts", "pair_solutions_from_starts"):
-            patch.setattr(extremes, name, every_fourth(getattr(extremes, name)))
         return extremes.solve_all_extreme_groups()
 
 
@@ -94,10 +82,14 @@ def test_ours_has_no_failure_and_unique_answers_and_solves_the_longest_chains(re
         assert longest.input_power == pytest.approx(longest.loss, rel=1e-8)
 
 
-def test_root_finding_of_the_source_fails(records):
-    theirs = [r for r in records if r.source_tries and r.group != "zero speed"]
-    assert sum(r.source for r in theirs) < 0.7 * sum(r.source_tries for r in theirs)
-    printed = [r.source < r.source_tries for r in records if r.model == "rotary, cases I to III as printed"]
+def test_stored_counts_of_root_finding_are_of_these_groups():
+    """Each count stands in one row of the table: the numbers of balls that a group's name states are not changed here."""
+    counts = extremes.root_finding_counts()
+    found = [r.counted for r in extremes.solve_all_single_ball_groups()]
+    assert None not in found
+    assert {key for key in counts if "pair" not in key[1] and "balls" not in key[1] + key[2]}
+    assert sum(c.solved for c in counts.values()) < 0.7 * sum(c.tries for c in counts.values())
+    printed = [c.solved < c.tries for key, c in counts.items() if key[1] == "rotary, cases I to III as printed"]
     assert printed == 6 * [True]
 
 
@@ -108,6 +100,6 @@ def test_a_failure_would_be_counted(records):
     r.count_own_solution(False, 1.1, 1.0, 0.2)
     assert (r.ours, r.tries) == (1, 2)
     assert (r.energy, r.spread) == pytest.approx((0.1, 0.2))
-    _, table = extremes.extreme_cases_text_and_table([r, replace(records[0], source=3, source_tries=9)])
+    _, table = extremes.extreme_cases_text_and_table([r, records[0]])
     assert table.columns["solved_here"][0] == "1 of 2"
-    assert table.columns["solved_by_lin"] == ["–", "3 of 9"]
+    assert table.columns["solved_by_lin"] == ["–", "12 of 36"]
