@@ -560,7 +560,6 @@ def simulation_input_variations() -> list[tuple[str, str, dict[str, object]]]:
 #: it), amplitude of theta [deg], oversize [um] and pattern. They are chosen to meet the printed numbers, so confirm none.
 Interpretation = tuple[str, float, float, str]
 TRIED: tuple[Interpretation, ...] = (
-    ("screw", 2.0, 1.7, "both"),
     ("screw", 2.6, 1.7, "both"),
     ("screw", 3.0, 1.7, "both"),
     ("nut", 1.5, 1.7, "both"),
@@ -568,10 +567,7 @@ TRIED: tuple[Interpretation, ...] = (
     ("nut", 2.25, 1.7, "both"),
     ("nut", 3.0, 1.7, "both"),
     ("nut", 2.25, 2.5, "both"),
-    ("nut", 3.0, 1.0, "both"),
-    ("nut", 3.0, 1.3, "both"),
     ("screw", 3.0, 1.7, "one"),
-    ("nut", 3.0, 2.5, "one"),
 )
 #: Part that theta moves with and amplitude of theta [deg], for the simulations with Lin's rule by which neighbouring balls
 #: touch.
