@@ -122,7 +122,13 @@ class SurveyRow:
         return self.status == survey.ANSWERED
 
     def as_json(self) -> dict[str, Any]:
-        """Return the values that are known as a dictionary for JSON, whose keys end with the unit."""
+        """Return the values that are known, for JSON.
+
+        Returns
+        -------
+        dict
+            Values by key; the keys end with the unit.
+        """
         return {key: value for key, value in asdict(self).items() if value is not None}
 
 
