@@ -21,7 +21,6 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference import estimate, jobs
 from rollbench.compare.reference.levels import LEVELS, STUDIED
 from rollbench.compare.sections.u_val import mesh_uncertainty_parameters
-from rollbench.compare.studies.crosscheck.study import scenes_and_levels_for_report as checked_references
 
 Step = Callable[[str], None]
 
@@ -36,6 +35,9 @@ def compute_missing_3d_runs(
     """
     if cache.reference_folders is None:
         return []
+    # loads scikit-fem, which the page of a scene does without
+    from rollbench.compare.studies.crosscheck.study import scenes_and_levels_for_report as checked_references
+
     scenes = [cache.built_in_scene(name) for name in REFERENCED]
     if cache.quick:
         tasks = jobs.plan_reference_tasks(scenes[:2], (min(LEVELS),))

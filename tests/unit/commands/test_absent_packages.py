@@ -22,6 +22,7 @@ CASES = [
     ("gmsh", CHECK, 0, "1 pass"),
     ("scikit-fem", ("check", "--printed"), 2, "pip install 'rollbench[reference]'"),
     ("scikit-fem", COMPARE, 0, "compare.svg"),
+    ("scikit-fem", PAGE, 0, "index.html"),
     ("matplotlib", SWEEP, 0, "and no figure (matplotlib is not installed: pip install 'rollbench[report]')"),
     ("matplotlib", PAGE, 2, "this computer: matplotlib: got matplotlib is not installed"),
     ("matplotlib", COMPARE, 0, "no figure (matplotlib is not installed"),
@@ -51,7 +52,7 @@ def run(words, folder, before=(sys.executable, "-m", "tests.without"), **variabl
     return done.returncode, done.stdout + done.stderr
 
 
-@pytest.mark.parametrize(("package", "words", "code", "said"), CASES[:5])
+@pytest.mark.parametrize(("package", "words", "code", "said"), CASES[:6])
 def test_commands_without_a_package(package, words, code, said, tmp_path):
     found, text = run([package, *words], tmp_path, PYTHONPATH=str(ROOT))
     assert (found, said in text, "Traceback" in text) == (code, True, False), text
