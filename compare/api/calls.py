@@ -879,7 +879,7 @@ def survey(
     from rollbench.compare.studies.survey_models import compare_models_on_random_screws
 
     _check_numbers(count=count, max_error=max_error, workers=workers)
-    models = [model] if isinstance(model, str) else model
+    models = [model] if isinstance(model, str) else list(dict.fromkeys(model))
     return compare_models_on_random_screws(models, count, workers, max_error, LOG.info, store)
 
 

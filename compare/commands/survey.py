@@ -64,7 +64,7 @@ def survey(
         Folder in which each solved screw is stored, and from which an interrupted run of the same model resumes.
     """
     command = model_or_program_name(program)
-    models = [*(model or ()), *filter(None, [command])]
+    models = list(dict.fromkeys([*(model or ()), *filter(None, [command])]))
     if screw is not None:
         if models:
             advice = "leave the model out: this option only writes the randomly drawn screw"

@@ -103,11 +103,15 @@ class SurveyRow:
     displacement_percent: float | None = None
     #: Error of the rigidity [%].
     rigidity_percent: float | None = None
-    #: Error to expect of the worst contact load [% of the mean load], and of the other quantities [%].
+    #: Error to expect of the worst contact load [% of the mean load].
     expected_percent: float | None = None
+    #: RMS error to expect of the contact loads [% of the mean load].
     rms_expected_percent: float | None = None
+    #: Error to expect of the displacement [%].
     displacement_expected_percent: float | None = None
+    #: Error to expect of the rigidity [%].
     rigidity_expected_percent: float | None = None
+    #: Error to expect of the largest pressure [%].
     pressure_expected_percent: float | None = None
     #: Why no error is expected; empty if one is.
     not_covered: str | None = None
