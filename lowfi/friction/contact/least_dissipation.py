@@ -32,6 +32,8 @@ ROUGH, FINE, EXACTLY = 1e-3, 1e-11, 1e-13
 #: Largest numbers of Newton steps: at one speed, from a motion that is near, without regularisation, and for one contact
 #: that may stick; from a motion that is near if the search from afar costs little more.
 STEPS, NEAR_STEPS, EXACT_STEPS, STICK_STEPS, FEW_STEPS = 200, 20, 60, 100, 6
+#: Largest number of trials of a step without regularisation: shorter steps lead to a contact that is about to stick.
+FEW_HALVINGS = 8
 #: Surface speed over the speed of the drive, above which the other forces exceed friction, and the search is given up.
 REACH = 1e9
 #: Unbalanced force on a body, as a fraction of the sum of its friction bounds, up to which friction that is not regularised
@@ -156,7 +158,13 @@ def newton_step(hessian: Array, gradient: Array, units: Array) -> Array:
 
 
 def minimise_dissipation(
-    bodies: FrictionalBodies, speed: Array, q: Array, tolerance: Array | float, limit: Array | int, reach: Array | float
+    bodies: FrictionalBodies,
+    speed: Array,
+    q: Array,
+    tolerance: Array | float,
+    limit: Array | int,
+    reach: Array | float,
+    halvings: int = 40,
 ) -> tuple[DissipationState, Index]:
     """Find the motions q of least dissipation at the regularising speeds; return the state there and the numbers of steps.
 
@@ -174,6 +182,8 @@ def minimise_dissipation(
         Largest number of Newton steps ``(K,)``.
     reach
         Surface speed at which the search is given up, because other forces exceed friction ``(K,)`` [m/s].
+    halvings
+        Largest number of trials of a step, each with half the length of the one before.
     """
     units, goal = bodies.surface_speed_per_unknown, tolerance * bodies.bound.sum(axis=1)
     state = evaluate_dissipation(bodies, units, speed, q)
@@ -203,7 +213,7 @@ def minimise_dissipation(
             enough = there.value <= value + 1e-4 * length * slope
             return np.where(hidden, there.imbalance < 0.5 * imbalance, enough)
 
-        moving[on] = move_along_steps(q, state, on, (step, np.ones(on.size)), evaluate, accept, 40)
+        moving[on] = move_along_steps(q, state, on, (step, np.ones(on.size)), evaluate, accept, halvings)
 
 
 def motion_nearest_to_rolling(bodies: FrictionalBodies) -> Array:
@@ -352,7 +362,7 @@ def slide_in_all_contacts(bodies: FrictionalBodies, start: Array, slow: Array) -
     ``slow`` ``(K,)`` [m/s], so that none may stick.
     """
     q, bound = start.copy(), bodies.bound.sum(axis=1)
-    state, steps = minimise_dissipation(bodies, np.zeros(len(q)), q, EXACTLY, NEAR_STEPS, REACH * slow)
+    state, steps = minimise_dissipation(bodies, np.zeros(len(q)), q, EXACTLY, NEAR_STEPS, REACH * slow, FEW_HALVINGS)
     good = (state.imbalance <= BALANCED * bound) & (bodies.slowest_contact(q) >= slow)
     none, rest = np.full(len(q), EXACT), np.zeros(bodies.bound.shape, dtype=bool)
     return LeastDissipation(q, state.friction, rest, none, state.imbalance, steps), good
@@ -398,7 +408,7 @@ def set_slow_contacts_to_rest(
         push=(basis @ bodies.push[..., None])[..., 0],
     )
     y = np.zeros((count, n))
-    state, steps = minimise_dissipation(free, np.zeros(count), y, EXACTLY, EXACT_STEPS, REACH * still)
+    state, steps = minimise_dissipation(free, np.zeros(count), y, EXACTLY, EXACT_STEPS, REACH * still, FEW_HALVINGS)
     q = q + (y[:, None] @ basis)[:, 0]
     # reactions of the sticking contacts: those with regularised friction, and what is missing for balance
     held = np.where(rest[..., None], forces, state.friction)

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rollbench.lowfi.friction.contact.descent import move_along_steps
 from rollbench.lowfi.friction.contact.equilibrium import solve_contact_loads_of_each_ball
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.lowfi.friction.screw.motion import AndersonAcceleration
@@ -30,9 +31,9 @@ AGREED, ACCEPTED = 1e-7, 1e-4
 #: Where a lightly loaded contact is about to slip or to stick, friction changes its direction at the smallest change of
 #: position, and the iteration oscillates.
 ROUNDS = 40
-#: Newton's method for a single ball: step of the finite differences and length of the last step, as fractions of the ball's
-#: contact loads; largest number of evaluations.
-DIFFERENCE, SOLVED, TRIALS = 1e-8, 1e-12, 400
+#: Newton's method: step of the finite differences and change of friction at which it ends, as fractions of the ball's
+#: contact loads; largest numbers of steps, and of halvings of a step.
+DIFFERENCE, SOLVED, STEPS, HALVINGS = 1e-8, 1e-12, 40, 20
 #: Force that displaces a ball at the start of the search for a second equilibrium, and least difference of the contact
 #: forces of two equilibria, as fractions of the ball's largest contact force.
 DISPLACED, ANOTHER = 3.0, 1e-3
@@ -245,8 +246,8 @@ def solve_friction_equilibria(
         mixer.keep_vectors(unsettled)
         balls.friction[active] = mixer.next_iterate(balls.friction[active], answer[unsettled])
         balls.settle(active)
-    for ball in active:
-        _settle_by_newton(balls, int(ball))
+    if active.size:
+        _settle_by_newton(balls, active)
     rolling = balls.rolling(everyone)
     final = law(rolling, [balls.q[part] for part in balls.parts(everyone)])
     out = []
@@ -261,27 +262,36 @@ def solve_friction_equilibria(
     return out
 
 
-def _settle_by_newton(balls: _BallsOfGroups, ball: int) -> None:
-    """Find the friction on one ball, at which the iteration oscillates, by MINPACK's hybrid method, and its contacts."""
-    from scipy.optimize import root  # few states come here
+def _settle_by_newton(balls: _BallsOfGroups, some: Index) -> None:
+    """Find the friction on those balls at which the iteration oscillates, and their contacts.
 
-    one, size, shift = np.array([ball]), float(balls.contacts.force[ball].sum()), balls.shift[ball].copy()
+    Newton's method with finite differences and a line search, for all these balls at the same time and each for itself.
+    """
+    size, shift, q = balls.contacts.force[some].sum(axis=1)[:, None], balls.shift[some].copy(), balls.q[some].copy()
 
-    def assume(x: Array) -> None:
-        """Bring the ball into equilibrium with a friction, over the sum of the contact loads ``(3,)``."""
-        balls.friction[ball], balls.shift[ball] = size * x, shift
-        balls.settle(one)
+    def change_of_friction(at: Index, x: Array) -> tuple[Array]:
+        """Return the resulting less the assumed friction of the balls ``some[at]``, over their contact loads ``(k, 3)``."""
+        balls.friction[some[at]], balls.shift[some[at]], balls.q[some[at]] = size[at] * x, shift[at], q[at]
+        balls.settle(some[at])
+        return (balls.resulting_friction(some[at]) / size[at] - x,)
 
-    def change_of_friction(x: Array) -> Array:
-        """Return the resulting less the assumed friction, over the sum of the contact loads ``(3,)``."""
-        assume(x)
-        q = balls.q[ball].copy()
-        answer = balls.resulting_friction(one)[0] / size - x
-        balls.q[ball] = q
-        return np.asarray(answer)
+    def accept(at: Index, length: Array, found: tuple[Array]) -> Mask:
+        """Return whether the change of friction has decreased."""
+        return np.asarray(np.linalg.norm(found[0], axis=1) < (1.0 - 1e-4 * length) * np.linalg.norm(change[on[at]], axis=1))
 
-    options = {"xtol": SOLVED, "eps": DIFFERENCE**2, "maxfev": TRIALS}
-    assume(root(change_of_friction, balls.friction[ball] / size, options=options).x)
+    x, everyone = balls.friction[some] / size, np.arange(some.size)
+    state, moving = change_of_friction(everyone, x), np.ones(some.size, dtype=bool)
+    for _ in range(STEPS):
+        moving &= np.abs(state[0]).max(axis=1) > SOLVED
+        on = np.flatnonzero(moving)
+        if not on.size:
+            break
+        change = state[0].copy()
+        beside = [change_of_friction(on, x[on] + DIFFERENCE * axis)[0] for axis in np.eye(3)]
+        slope = np.stack([there - change[on] for there in beside], axis=2) / DIFFERENCE
+        step = -(np.linalg.pinv(slope) @ change[on][..., None])[..., 0]
+        moving[on] = move_along_steps(x, state, on, (step, np.ones(on.size)), change_of_friction, accept, HALVINGS)
+    change_of_friction(everyone, x)
 
 
 def friction_on_balls_and_screw(by_ball: BallFriction, contacts: StaticContacts, axis: Array) -> Array:
