@@ -17,9 +17,10 @@ def move_along_steps(
     steps: tuple[Array, Array],
     evaluate: Callable[[Index, Array], Any],
     accept: Callable[[Index, Array, Any], Mask],
-    halvings: int,
+    trials: int,
+    shorten: Callable[[Index, Array, Any], Array] | None = None,
 ) -> Mask:
-    """Move problems along their steps, each halved until it is accepted; return which of them have moved ``(k,)``.
+    """Move problems along their steps, each shortened until it is accepted; return which of them have moved ``(k,)``.
 
     Parameters
     ----------
@@ -36,12 +37,15 @@ def move_along_steps(
     accept
         Function that decides on trials ``(j,)``: from their places in ``problems``, the fractions of the step, and the
         states there.
-    halvings
-        Number of trials, of which each has half the step of the one before.
+    trials
+        Largest number of trials of a step.
+    shorten
+        Function of the same arguments as ``accept`` that returns by which factor a step is shortened that was not
+        accepted; None to halve it.
     """
     step, length = steps[0], steps[1].copy()
     left = np.arange(problems.size)
-    for _ in range(halvings):
+    for _ in range(trials):
         tried = problems[left]
         trial = x[tried] + length[left, None] * step[left]
         there = evaluate(tried, trial)
@@ -49,10 +53,15 @@ def move_along_steps(
         x[tried[good]] = trial[good]
         for whole, part in zip(state, there, strict=True):
             whole[tried[good]] = part[good]
-        left = left[~good]
-        if not left.size:
+        if good.all():
+            left = left[:0]
             break
-        length[left] *= 0.5
+        bad = ~good
+        if shorten is None:
+            length[left[bad]] *= 0.5
+        else:
+            length[left[bad]] *= shorten(left[bad], length[left[bad]], type(there)(*(part[bad] for part in there)))
+        left = left[bad]
     moved = np.ones(problems.size, dtype=bool)
     moved[left] = False
     return moved

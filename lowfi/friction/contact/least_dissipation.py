@@ -31,9 +31,10 @@ FIRST, LAST_SMOOTH, LEAST = 1, 6, 10
 ROUGH, FINE, EXACTLY = 1e-3, 1e-11, 1e-13
 #: Largest numbers of Newton steps: at one speed, from a motion that is near, without regularisation, and for one contact
 #: that may stick; from a motion that is near if the search from afar costs little more.
-STEPS, NEAR_STEPS, EXACT_STEPS, STICK_STEPS, FEW_STEPS = 200, 20, 60, 100, 6
-#: Largest number of trials of a step without regularisation: shorter steps lead to a contact that is about to stick.
-FEW_HALVINGS = 8
+STEPS, NEAR_STEPS, EXACT_STEPS, STICK_STEPS, FEW_STEPS = 200, 20, 12, 100, 6
+#: Largest numbers of trials of a step: in general, and without regularisation, where shorter steps lead to a contact that
+#: is about to stick; least factor between two trials.
+TRIALS, FEW_TRIALS, SHORTEST = 40, 8, 1e-6
 #: Surface speed over the speed of the drive, above which the other forces exceed friction, and the search is given up.
 REACH = 1e9
 #: Unbalanced force on a body, as a fraction of the sum of its friction bounds, up to which friction that is not regularised
@@ -164,7 +165,7 @@ def minimise_dissipation(
     tolerance: Array | float,
     limit: Array | int,
     reach: Array | float,
-    halvings: int = 40,
+    trials: int = TRIALS,
 ) -> tuple[DissipationState, Index]:
     """Find the motions q of least dissipation at the regularising speeds; return the state there and the numbers of steps.
 
@@ -182,8 +183,8 @@ def minimise_dissipation(
         Largest number of Newton steps ``(K,)``.
     reach
         Surface speed at which the search is given up, because other forces exceed friction ``(K,)`` [m/s].
-    halvings
-        Largest number of trials of a step, each with half the length of the one before.
+    trials
+        Largest number of trials of a step, each shorter than the one before.
     """
     units, goal = bodies.surface_speed_per_unknown, tolerance * bodies.bound.sum(axis=1)
     state = evaluate_dissipation(bodies, units, speed, q)
@@ -213,7 +214,22 @@ def minimise_dissipation(
             enough = there.value <= value + 1e-4 * length * slope
             return np.where(hidden, there.imbalance < 0.5 * imbalance, enough)
 
-        moving[on] = move_along_steps(q, state, on, (step, np.ones(on.size)), evaluate, accept, halvings)
+        def shorten(
+            at: Index,
+            length: Array,
+            there: DissipationState,
+            known: tuple[Array, Array, Array] = (step, slope, value),
+        ) -> Array:
+            """Return the factor that leads to where the tangents at both ends of a step meet.
+
+            The value is convex, so that this is between them; where a contact stops on the way, the tangents meet there.
+            """
+            step, slope, value = (values[at] for values in known)
+            slope_there = (there.gradient * step).sum(axis=1)
+            rise = (there.value - value - length * slope_there) / (length * np.minimum(slope - slope_there, -1e-300))
+            return np.where(np.isfinite(rise), np.clip(rise, SHORTEST, 0.5), 0.5)
+
+        moving[on] = move_along_steps(q, state, on, (step, np.ones(on.size)), evaluate, accept, trials, shorten)
 
 
 def motion_nearest_to_rolling(bodies: FrictionalBodies) -> Array:
@@ -362,7 +378,7 @@ def slide_in_all_contacts(bodies: FrictionalBodies, start: Array, slow: Array) -
     ``slow`` ``(K,)`` [m/s], so that none may stick.
     """
     q, bound = start.copy(), bodies.bound.sum(axis=1)
-    state, steps = minimise_dissipation(bodies, np.zeros(len(q)), q, EXACTLY, NEAR_STEPS, REACH * slow, FEW_HALVINGS)
+    state, steps = minimise_dissipation(bodies, np.zeros(len(q)), q, EXACTLY, EXACT_STEPS, REACH * slow, FEW_TRIALS)
     good = (state.imbalance <= BALANCED * bound) & (bodies.slowest_contact(q) >= slow)
     none, rest = np.full(len(q), EXACT), np.zeros(bodies.bound.shape, dtype=bool)
     return LeastDissipation(q, state.friction, rest, none, state.imbalance, steps), good
@@ -408,7 +424,7 @@ def set_slow_contacts_to_rest(
         push=(basis @ bodies.push[..., None])[..., 0],
     )
     y = np.zeros((count, n))
-    state, steps = minimise_dissipation(free, np.zeros(count), y, EXACTLY, EXACT_STEPS, REACH * still, FEW_HALVINGS)
+    state, steps = minimise_dissipation(free, np.zeros(count), y, EXACTLY, EXACT_STEPS, REACH * still, FEW_TRIALS)
     q = q + (y[:, None] @ basis)[:, 0]
     # reactions of the sticking contacts: those with regularised friction, and what is missing for balance
     held = np.where(rest[..., None], forces, state.friction)
