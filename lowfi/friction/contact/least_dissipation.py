@@ -226,8 +226,9 @@ def minimise_dissipation(
             """
             step, slope, value = (values[at] for values in known)
             slope_there = (there.gradient * step).sum(axis=1)
-            rise = (there.value - value - length * slope_there) / (length * np.minimum(slope - slope_there, -1e-300))
-            return np.where(np.isfinite(rise), np.clip(rise, SHORTEST, 0.5), 0.5)
+            bend, part = length * (slope_there - slope), np.full(at.size, 0.5)
+            np.divide(length * slope_there - (there.value - value), bend, out=part, where=bend > 1e-200)
+            return np.clip(np.nan_to_num(part, nan=0.5), SHORTEST, 0.5)
 
         moving[on] = move_along_steps(q, state, on, (step, np.ones(on.size)), evaluate, accept, trials, shorten)
 

@@ -164,6 +164,9 @@ def determinant_sign(track: ScaledTrack, found: BalancedMotion, law: Smoothing) 
 class BalancePoint(PathPoint):
     """Force balance of N balls on the path along which the friction between balls rises and all smoothing falls."""
 
+    #: The end of the path is solved to more digits afterwards; rounding errors of many balls leave no residual of 1e-10.
+    on_path = 1e-6
+
     def __init__(self, track: ScaledTrack, balls: ScaledBalls, point: Array) -> None:
         """Compute the equations at a ``point`` ``(5 N + 1,)``: motion and force on the next ball, ball by ball.
 

@@ -34,6 +34,8 @@ class PathPoint(ABC):
     point: Array
     #: Residuals of the equations ``(n,)``.
     residual: Array
+    #: Residual up to which the point counts as on the path.
+    on_path: float = ON_PATH
 
     @abstractmethod
     def at(self, point: Array) -> Self:
@@ -70,7 +72,7 @@ class PathPoint(ABC):
         at, moved = self.at(self.point + length * tangent), 0.0
         for count in range(STEPS + 1):
             residual = np.linalg.norm(at.residual)
-            if residual <= ON_PATH:
+            if residual <= self.on_path:
                 return at, count
             step, change = at.steps
             if residual <= NEARLY and np.linalg.norm(step) <= SETTLED:
