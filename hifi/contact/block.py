@@ -269,11 +269,6 @@ class HertzContactSolution:
     #: Hertz's closed-form solution of the contact.
     hertz_solution: HertzSolution
 
-    @property
-    def total_seconds(self) -> float:
-        """Computing time of all stages together [s]."""
-        return sum(self.seconds_by_stage.values())
-
 
 def solve_hertz_contact(
     job: HertzProblem,

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import product
 from math import radians
 from typing import Any, NamedTuple
@@ -74,6 +75,7 @@ class RootFindingCount(NamedTuple):
     other_forces: int = 0
 
 
+@cache
 def root_finding_counts() -> dict[tuple[str, str, str], RootFindingCount]:
     """Return the stored counts of Lin's root finding, by group, model and note of `ExtremeGroup`."""
     rows = [dict(row) for row in read_shipped_toml("cases/lin/root-finding.toml")["counts"]]

@@ -215,10 +215,7 @@ def minimise_dissipation(
             return np.where(hidden, there.imbalance < 0.5 * imbalance, enough)
 
         def shorten(
-            at: Index,
-            length: Array,
-            there: DissipationState,
-            known: tuple[Array, Array, Array] = (step, slope, value),
+            at: Index, length: Array, there: DissipationState, known: tuple[Array, Array, Array] = (step, slope, value)
         ) -> Array:
             """Return the factor that leads to where the tangents at both ends of a step meet.
 
@@ -228,7 +225,7 @@ def minimise_dissipation(
             slope_there = (there.gradient * step).sum(axis=1)
             bend, part = length * (slope_there - slope), np.full(at.size, 0.5)
             np.divide(length * slope_there - (there.value - value), bend, out=part, where=bend > 1e-200)
-            return np.clip(np.nan_to_num(part, nan=0.5), SHORTEST, 0.5)
+            return np.asarray(np.clip(np.nan_to_num(part, nan=0.5), SHORTEST, 0.5))
 
         moving[on] = move_along_steps(q, state, on, (step, np.ones(on.size)), evaluate, accept, trials, shorten)
 
