@@ -10,7 +10,8 @@ from tests.helpers import mirrored, small_screw, solved
 from tests.whole_screws import MU, SCENES, TURN, scene_of, single, state
 
 from rollbench.compare.cases.lin.evidence.source_cases import screw_groove
-from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.studies import survey
 from rollbench.lowfi.friction.whole.feedback import DisplacedBalls, positions_in_grooves, solve_friction_equilibria
 from rollbench.lowfi.friction.whole.losses import BallsUnderLoad, ball_friction
 from rollbench.lowfi.friction.whole.state import FrictionCase, friction_state, friction_states
@@ -158,3 +159,12 @@ def test_feedback_settles_where_a_flank_hardly_bears(degrees):
     assert found.axial == pytest.approx(scene.loads[0].force[2], rel=1e-6)
     light = np.sort(found.load, axis=1)[:, 0] / found.load.sum(axis=1)
     assert np.any((light > 0.0) & (light < 0.01))
+
+
+@pytest.mark.slow
+def test_feedback_settles_where_the_iteration_oscillates():
+    """A drawn screw of two-point contacts with much friction: at some twenty balls the iteration does not end by itself."""
+    scene = scene_file.parse_scene(survey.random_screw_scene_text(1719, 62), "drawn.toml")
+    found = state(scene, Friction(0.2, 0.2, (), True))
+    assert not found.unsettled_balls
+    assert found.change < 1e-6
