@@ -44,6 +44,7 @@ def test_second_order_elements_beat_first_order_ones_at_equal_unknowns():
         assert errors(second)[0] < errors(first)[0] / 2.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "b_over_h"), [("A", 4.0), ("B", 3.0)])
 def test_size_of_the_block_does_not_matter_once_its_cut_moves_as_the_half_space(name, b_over_h):
     def approaches(*sizes, **held):

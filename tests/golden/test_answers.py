@@ -28,9 +28,14 @@ def kept(command):
     return means(answered(shlex.split(command))[1], LEFT_OUT.search)
 
 
+#: Commands that take seconds.
+SLOW = {"solve axis-fixed-fixed", "solve double-nut", "solve lin-combined --model lin", "compare lin-case1"}
+
+
 def marked(command):
-    """A command with its mark: friction is marked as further."""
-    return pytest.param(command, marks=pytest.mark.further if command.startswith("friction") else ())
+    """A command with its marks: friction is marked as further."""
+    holds = {"further": command.startswith("friction"), "slow": command in SLOW}
+    return pytest.param(command, marks=[getattr(pytest.mark, mark) for mark in holds if holds[mark]])
 
 
 @pytest.mark.parametrize("command", [marked(command) for command in ANSWERS])

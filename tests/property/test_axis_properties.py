@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from tests.axes import assembly, double_nut, fixed_axis, mirrored, nut, one_set, solved
 from tests.helpers import ALL_BUT_AXIAL, FLANK_ERRORS, NO_PROFILES, dense, relative, small_screw, with_ingredients
+from tests.slow import all_slow_but
 
 from rollbench.compare.models.registry import MODELS as REGISTRY
 from rollbench.lowfi.statics.axis import solve
@@ -41,7 +42,7 @@ MODELS = {
 PAIRS = [(name, model) for name in ONE_SET for model in MODELS if (name, model) != ("bearing", "refined")]
 
 
-@pytest.mark.parametrize(("case", "model"), PAIRS)
+@pytest.mark.parametrize(("case", "model"), all_slow_but(PAIRS[::3], PAIRS))
 def test_one_set_is_the_model_of_one_set(case, model):
     scene, (solve_one, solve_several, near) = ONE_SET[case], MODELS[model]
     alone = solve_one(scene, everything=True)

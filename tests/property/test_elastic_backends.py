@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from tests.helpers import ALL_BUT_AXIAL, mirrored, relative, small_screw
 from tests.property.test_invariance import end_for_end
+from tests.slow import all_slow_but
 from tests.static_problems import elastic_equations
 
 from rollbench.compare.scenes import catalogue
@@ -54,7 +55,7 @@ def solved(seed, backend):
 
 
 @pytest.mark.parametrize("backend", LADDER)
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", all_slow_but(SEEDS[:4], SEEDS))
 def test_random_scenes_balance(seed, backend):
     result = solved(seed, backend)
     assert result.status == "converged"
@@ -66,7 +67,7 @@ def test_random_scenes_balance(seed, backend):
 
 
 @pytest.mark.parametrize("backend", LADDER)
-@pytest.mark.parametrize("seed", SEEDS[::3])
+@pytest.mark.parametrize("seed", all_slow_but(SEEDS[:4], SEEDS[::3]))
 def test_any_start_leads_to_the_same_loads(seed, backend):
     elastic = elastic_equations(random_scene(seed), LADDER[backend])
     assert solve_alone(elastic.solve_by_newton()).residual <= 1e-10
@@ -86,7 +87,7 @@ def energy_at(elastic, phi, amplitudes):
 
 
 @pytest.mark.parametrize("backend", LADDER)
-@pytest.mark.parametrize("seed", SEEDS[1::3])
+@pytest.mark.parametrize("seed", all_slow_but(SEEDS[:4], SEEDS[1::3]))
 def test_chords_lie_above_the_energy(seed, backend):
     """Midpoint convexity and the tangent below, along segments from small to far beyond the solution's own forces."""
     elastic = elastic_equations(random_scene(seed), LADDER[backend])
@@ -107,7 +108,7 @@ def test_chords_lie_above_the_energy(seed, backend):
 
 
 @pytest.mark.parametrize("backend", LADDER)
-@pytest.mark.parametrize("seed", SEEDS[2::3])
+@pytest.mark.parametrize("seed", all_slow_but(SEEDS[:4], SEEDS[2::3]))
 def test_mirror_image(seed, backend):
     scene = random_scene(seed)
     one, other = solved(seed, backend), solve_elastic(mirrored(scene), backend=LADDER[backend])
@@ -116,7 +117,7 @@ def test_mirror_image(seed, backend):
 
 
 @pytest.mark.parametrize("backend", LADDER)
-@pytest.mark.parametrize("nut_held", ["left face", "both faces"])
+@pytest.mark.parametrize("nut_held", all_slow_but(["left face"], ["left face", "both faces"]))
 def test_turned_end_for_end(nut_held, backend):
     """Bodies, contacts and clamped faces exchange their ends; the shaft's kernel sends its forces to one end always."""
     scene = small_screw(12, 2.0, phase=0.3, oversize=3e-6, force=(150.0, -80.0, 2500.0), moment=(2.0, 3.0, 0.0))

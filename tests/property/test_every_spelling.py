@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.slow import all_slow_but
 
 import rollbench
 from rollbench.compare.results.compared import ModelLoads
@@ -100,7 +101,7 @@ def heading(kind: type, name: str) -> bool:
     return any(key == name and x.heading for key, x in quantity_descriptions(kind)) if is_dataclass(kind) else False
 
 
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("scene", all_slow_but([SCENES[0]], SCENES))
 def test_a_changed_number_shows_in_every_spelling(scene: str) -> None:
     result, silent = solved(scene), []
     json, page = result.to_dict(), result._repr_html_()

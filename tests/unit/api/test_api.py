@@ -174,6 +174,7 @@ assert state() == before
 """
 
 
+@pytest.mark.slow
 def test_the_library_prints_nothing_and_changes_no_state() -> None:
     done = python("-c", STATE)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
@@ -225,6 +226,7 @@ def test_models_are_compared_with_a_stored_reference(tmp_path: Path) -> None:
     assert data["answers"]["3D reference"]["worst_contact"]["pressure_MPa"] == pytest.approx(1e-6 * exact.pressure)
 
 
+@pytest.mark.slow
 def test_several_sets_are_compared_and_judged_one_by_one(tmp_path: Path) -> None:
     found = rollbench.compare_models("double-nut", ["lin"], store=tmp_path)
     assert [*found.sets] == ["nut 1", "nut 2"]
@@ -316,6 +318,7 @@ def test_an_ensemble_has_typed_statistics(command) -> None:
     assert found.to_dict()["statistics"] == data["statistics"]
 
 
+@pytest.mark.slow
 def test_the_page_of_a_scene_is_written(tmp_path: Path) -> None:
     page = rollbench.report("two-balls", out=tmp_path / "page", store=tmp_path)
     assert page.passed

@@ -82,6 +82,7 @@ def test_a_load_without_equilibrium_is_a_point_with_its_reason() -> None:
     assert (found.lash, found.forward) == (None, None)
 
 
+@pytest.mark.slow
 def test_forces_take_the_place_of_the_loads_where_asked_also_on_housings() -> None:
     axis = rollbench.read("axis-fixed-fixed")
     found = rollbench.load_curve(axis, "-1kN:1kN:3", "lin")
@@ -93,6 +94,7 @@ def test_forces_take_the_place_of_the_loads_where_asked_also_on_housings() -> No
     assert found.points[2].nut_displacement == pytest.approx(solved.nut.displacement, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_several_nuts_together_have_the_displacement_that_solve_states() -> None:
     nuts = rollbench.read("double-nut")
     (at, force) = (nuts.loads[0].at, nuts.loads[0].force)

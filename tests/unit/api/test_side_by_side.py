@@ -89,6 +89,7 @@ def test_a_scene_without_equilibrium_has_its_reason_and_no_numbers() -> None:
     assert found.differ == ("supports",)
 
 
+@pytest.mark.slow
 def test_the_command_prints_the_record(command, smith: rollbench.SideBySide) -> None:
     words = ("solve", *SMITH, "--model", "lin")
     data, record = command.answer(*words), smith.to_dict()

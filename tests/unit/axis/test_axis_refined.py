@@ -78,6 +78,7 @@ def test_with_rigid_bodies_it_is_the_model_lin(parts):
     assert all(h.residual < 1e-10 for h in other.housings)
 
 
+@pytest.mark.slow
 def test_rollers_stand_in_one_equilibrium_with_elastic_balls():
     parts = with_rollers()
     found = refined(parts)
@@ -109,6 +110,7 @@ def test_elastic_nuts_carry_what_the_load_and_the_spacer_ask():
     assert found.stiffness[2, 2] == pytest.approx(slope, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_an_uneven_nut_beside_an_even_one_keeps_its_profile():
     parts, errors = double_nut(count=6), Errors(SL=SideErrors(profile=(0.0, 4e-6, -3e-6)))
     uneven = replace(parts.sets[0], parts=replace(parts.sets[0].parts, errors=errors))
@@ -136,6 +138,7 @@ MIRRORED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("parts", "error"), MIRRORED.values(), ids=MIRRORED)
 def test_mirror_image_carries_the_mirrored_loads(parts, error):
     """Whichever end of a set's stretch of shaft is held. On the axis the patches of contacts near the ends of the bearings'
@@ -148,6 +151,7 @@ def test_mirror_image_carries_the_mirrored_loads(parts, error):
         assert np.abs(a.force + a.reaction[:3]).max() < 1e-11 * np.abs(a.balls.load).max()
 
 
+@pytest.mark.slow
 def test_contacts_of_one_set_squeeze_those_of_another_through_a_held_bar():
     """A shaft held at its length: radial forces Q at one nut push it apart by nu r Q / EA, which it takes by N = - EA / L
     of that, and N moves the contacts of the other nut outwards by - nu r N / EA; the beam's EA is not the smooth body's."""

@@ -26,6 +26,7 @@ def test_both_nuts_of_the_template_keep_a_fifth_of_their_preload(pair):
     assert min(abs(x.force[2] / x.preload.axial) for x in result.sets.values()) > 0.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [2.6, 4.0])
 def test_the_factor_is_where_the_last_contact_opens(pair, factor):
     """One load leaves the freed nut a few newtons, the other nothing."""

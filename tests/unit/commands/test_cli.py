@@ -10,6 +10,7 @@ from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
+from tests.slow import all_slow_but
 
 from rollbench.compare.cli import COMMANDS, app_with_commands
 from rollbench.compare.commands import printed as listing
@@ -37,7 +38,7 @@ def test_every_model_runs_from_the_command_line(command, model: str) -> None:
     assert axial == pytest.approx(5000.0 / 0.70711 / 0.98193, rel=0.02)
 
 
-@pytest.mark.parametrize("scene", ["lin-case3", "double-nut"])
+@pytest.mark.parametrize("scene", all_slow_but(["lin-case3"], ["lin-case3", "double-nut"]))
 def test_answers_come_first_and_the_last_line_says_where_assumptions_are(command, scene) -> None:
     words = "solve", scene, "--model", "lin", "--balls"
     out, whole = command.said(*words), command.said(*words, "--verbose")
@@ -68,9 +69,10 @@ def test_new_never_overwrites(command, tmp_path: Path) -> None:
 
 
 KINDS = ["ball-screw", "bearing", *(kind.replace(" ", "-") for kind in friction_scene_kinds())]
+SLOW = {"screw-run", "linear-chain"}
 
 
-@pytest.mark.parametrize("kind", [pytest.param(x, marks=pytest.mark.slow if x == "screw-run" else ()) for x in KINDS])
+@pytest.mark.parametrize("kind", [pytest.param(x, marks=pytest.mark.slow if x in SLOW else ()) for x in KINDS])
 def test_new_scene_of_a_kind_solves_as_written(kind: str, command, tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     advised = command.said("new", file, "--kind", kind).split("rollbench ")[1].split()[0]

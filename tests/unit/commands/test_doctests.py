@@ -5,6 +5,7 @@ import importlib
 
 import pytest
 from tests.copies import ROOT
+from tests.slow import all_slow_but
 
 SOURCES = ROOT / "src"
 PACKAGES = ("lowfi", "hifi", "meshes", "compare", "reports")
@@ -17,7 +18,10 @@ def test_there_are_examples():
     assert len(MODULES) >= 5
 
 
-@pytest.mark.parametrize("name", MODULES)
+SLOW = {"rollbench.compare.api.calls", "rollbench.compare.results.side_by_side", "rollbench.compare.results.friction"}
+
+
+@pytest.mark.parametrize("name", all_slow_but({*MODULES} - SLOW, MODULES))
 def test_examples(name):
     found = doctest.testmod(importlib.import_module(name))
     assert found.attempted > 0

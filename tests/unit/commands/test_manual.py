@@ -26,6 +26,7 @@ def written(tmp_path_factory: pytest.TempPathFactory):
     return folder
 
 
+@pytest.mark.slow
 def test_reference_has_commands_keys_and_quantities_with_their_units(written) -> None:
     texts = {
         name: (written / f"{name}.md").read_text(encoding="utf-8") for name in ("commands", "scene-file", "quantities")
@@ -147,6 +148,7 @@ def test_the_workflow_computes_what_is_not_stored_and_keeps_it(tmp_path) -> None
     assert service.push("failed") == (0, 0, 3, 3)
 
 
+@pytest.mark.slow
 def test_the_gate_hands_the_action_what_it_knows(written) -> None:
     gate = yaml.safe_load((DOCS / "gate.yml").read_text(encoding="utf-8"))["jobs"]["gate"]["steps"]
     kept = steps_that_use(gate, "actions/upload-artifact@")
@@ -171,6 +173,7 @@ def test_named_files_exist(page) -> None:
         assert file.exists() or file.stem in ("commands", "quantities", "scene-file", "misprints"), target
 
 
+@pytest.mark.slow
 def test_every_drawing_is_made_and_shown(tmp_path, written) -> None:
     drawings.draw(tmp_path)
     pages = [written / "scene-file.md", *(DOCS / "theory").glob("*.md")]

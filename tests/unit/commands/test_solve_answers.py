@@ -12,6 +12,7 @@ import pytest
 from scipy.io import mmread
 from tests.campaign.draw_axes import axis_text
 from tests.processes import COMMAND, ran
+from tests.slow import all_slow_but
 
 from rollbench.compare.commands.solve import SolveOptions, dmig_text, exit_code_of_solutions, matrix_market_text
 from rollbench.compare.models.answers import tangent_stiffness_at
@@ -82,7 +83,9 @@ def test_nuts_that_just_touch_have_no_preload_to_lose(tmp_path) -> None:
     assert lift_off_loads(catalogue.scene_of_any_kind(str(path))) == (None,) * 4
 
 
-@pytest.mark.parametrize(("name", "opening"), [("double-nut", 1), ("axis-fixed-fixed", 3)])
+@pytest.mark.parametrize(
+    ("name", "opening"), all_slow_but([("double-nut", 1)], [("double-nut", 1), ("axis-fixed-fixed", 3)])
+)
 def test_the_first_contact_of_every_set_is_lost_where_lift_off_says(name: str, opening: int) -> None:
     """The sets whose contacts open are the nut with play inside, and the rows that the load relieves."""
     scene = catalogue.scene_of_any_kind(name)
@@ -116,6 +119,7 @@ def test_matrix_files_hold_the_matrix() -> None:
     np.testing.assert_allclose(read, matrix, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_curve_and_matrix_from_the_command_line(tmp_path: Path, command) -> None:
     curve, matrix = tmp_path / "curve.csv", tmp_path / "k.mtx"
     for words in (("--stiffness-at", "8 mm", "--matrix", matrix), ("--curve", "0:1.5:16", "--csv", curve)):
@@ -169,7 +173,7 @@ SHORT = ("count = 68\nturns = 4.3", "count = 8\nturns = 1.5")
 SOLVERS = [("lin-case3", "lin"), ("bearing-9", "refined"), ("double-nut", "lin"), ("double-nut", "refined")]
 
 
-@pytest.mark.parametrize(("name", "model"), SOLVERS)
+@pytest.mark.parametrize(("name", "model"), all_slow_but(SOLVERS[:2], SOLVERS))
 def test_what_did_not_converge_prints_no_numbers_as_answers(monkeypatch, command, scene_file, name, model) -> None:
     changes = (SHORT, SHORT) if name == "double-nut" else ()
     words = "solve", scene_file(catalogue.shipped_scene_text(name), *changes), "--model", model
@@ -201,7 +205,7 @@ OUTSIDE = {
 }
 
 
-@pytest.mark.parametrize("name", OUTSIDE)
+@pytest.mark.parametrize("name", [pytest.param(x, marks=pytest.mark.slow) if x == "several sets" else x for x in OUTSIDE])
 def test_a_line_above_the_answers_says_what_leaves_the_models(scene_file, command, name) -> None:
     text, change, said = OUTSIDE[name]
     words = "solve", scene_file(text, *[change] * bool(change)), "--model", "lin"
@@ -227,6 +231,7 @@ def test_strict_ends_with_1_on_every_kind_of_warning_but_remarks(kind: Kind) -> 
         assert (bool(line), "outside what the models mean" in line) == (counts, kind in VALIDITY)
 
 
+@pytest.mark.slow
 def test_a_life_is_said_in_hours_and_kilometres_too(scene_file, command) -> None:
     """1200 rpm, lead 10 mm; several sets; a screw without a speed; a ring without a lead; a cycle at its mean speed."""
 

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from tests.helpers import relative
 
 from rollbench.lowfi.compliance.tube import ContactPoints, SmoothBody, contact_compliance, tube_compliance
@@ -46,6 +47,7 @@ def plate(thickness: float, inner: float, outer: float) -> float:
     return float(abs(whole) + shear)
 
 
+@pytest.mark.slow
 def test_a_thin_flange_is_an_annular_plate() -> None:
     """A thick-walled sleeve on a flange clamped from twice its radius on: the rest falls with the flange's thickness."""
     off = []

@@ -242,6 +242,7 @@ def test_turning_all_contacts_changes_nothing():
     assert relative(turned, here) < 1e-12
 
 
+@pytest.mark.slow
 def test_half_space_limit():
     """Two widths take out the body; the logarithm of curvature is what is left beside the half space."""
     a, b = sphere_series_expansion(NU)

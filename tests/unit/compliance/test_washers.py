@@ -67,6 +67,7 @@ def displacement(angle: float, model: str, more: str = "") -> float:
     return 1e6 * float(result.displacement[2])
 
 
+@pytest.mark.slow
 def test_displacement_is_smooth_up_to_90_deg():
     """The approach of rigid rings by Hertz at 90 deg, and the refined model's values (turn to 90 deg without a jump)."""
     assert displacement(90.0, "lin") == pytest.approx(10.737, abs=1e-3)
@@ -79,6 +80,7 @@ def test_displacement_is_smooth_up_to_90_deg():
     assert refined == pytest.approx(np.polyval(np.polyfit(away, refined, 2), away), rel=2e-5)
 
 
+@pytest.mark.slow
 def test_washer_is_nearly_a_half_space_where_it_is_large():
     """A groove of a large thick washer: a narrow patch sees a half space with the curvature of the flank."""
     scene = read(SCENE.replace("ANGLE", "90")).sets[0].parts

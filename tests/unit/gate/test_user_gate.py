@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.slow import all_slow_but
 
 from rollbench.compare.errors import InputError, SceneNotCoveredError
 from rollbench.compare.gate import user
@@ -37,7 +38,7 @@ def test_loads_of_another_program(command, tmp_path, factor: float, code: int, w
     assert re.search(rf"^{word.lower()} +largest error of a contact load +[\d.]+ % +0.\d\d % +7 %", out, re.MULTILINE)
 
 
-@pytest.mark.parametrize("name", ["two-balls", "double-nut"])
+@pytest.mark.parametrize("name", all_slow_but(["two-balls"], ["two-balls", "double-nut"]))
 def test_a_renamed_copy_has_the_stored_reference(name: str) -> None:
     scene, what = catalogue.scene_of_any_kind(name), gate_request(model="lin", compute=False)
     same, copy = check([scene], what), check([replace(scene, name="my copy")], what)

@@ -106,6 +106,7 @@ def stretch(m, low, high):
     return MeshedShaftPart(F, B, low, (high,), (0.4,), (low, high), 18)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hand", HANDS)
 @pytest.mark.parametrize("ends", [(0.341, 0.442), (0.345, 0.47), (0.32, 0.46)])
 def test_a_longer_stretch_answers_like_the_shorter_one_between_beams(hand, ends):
@@ -233,6 +234,7 @@ def test_impossible_dimensions_are_refused() -> None:
             stiffness_of_grooved_shaft(m, LAND, bore, STEEL)
 
 
+@pytest.mark.slow
 def test_a_load_on_a_section_moves_it_as_beam_theory_has_it_and_rigid_motions_are_found_exactly() -> None:
     """Own flexibility of a section inside: a load on a few nodes of the hole turns these far more than the section."""
     scene, length = catalogue.scene("unseen-16x5"), 48e-3

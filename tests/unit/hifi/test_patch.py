@@ -149,6 +149,7 @@ def indentation(kind, where, fine=None, b_over_h=None):
     return 1e6 * float(f @ normalise_weight_rows(mesh.pressure_weights) @ along_normals) / 225.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("where", ["groove", "ball"])
 def test_first_order_is_stiff_and_converges(where):
     """The source's 0.08 mm are 6 to 8 % too stiff within the patch.

@@ -22,7 +22,7 @@ from rollbench.hifi.meshing import part_meshes
 from rollbench.meshes import ball_body
 from rollbench.meshes.sockets import points_in_box_at_azimuth_zero
 
-pytestmark = pytest.mark.xdist_group("helped by processes")
+pytestmark = [pytest.mark.xdist_group("helped by processes"), pytest.mark.slow]
 
 
 def whole(body, patches, material, held):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from tests.fe_meshes import area_of, outer_faces, volume_of
 from tests.helpers import STEEL, body_specs, small_screw, sockets_of
+from tests.slow import all_slow_but
 
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.meshes import sockets
@@ -212,7 +213,7 @@ KINDS = {
 }
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", all_slow_but(["Table 4.1, screw", "screw without a hole"], KINDS))
 def test_any_scene(kind):
     make, sides, name = KINDS[kind]
     case = make()

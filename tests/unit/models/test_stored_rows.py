@@ -8,6 +8,7 @@ from typing import NamedTuple
 import pytest
 from tests.conftest import Command
 from tests.load_cases import TEXT, written
+from tests.slow import all_slow_but
 
 from rollbench.compare.models import many
 
@@ -34,7 +35,7 @@ VARY = ("sweep", "two-balls", "--vary", "errors.balls.oversize=4 um:7 um", "--me
 MEMBERS = ("solve", "random.toml", "--balls", "--model", "lin", "--members")
 CURVE = ("solve", "two.toml", "--model", "lin", "--curve")
 BESIDE = ("solve", "two-balls", "two.toml", "--model", "lin")
-SURVEY = ("survey", "--count", "8", "--model")
+SURVEY = ("survey", "--count", "6", "--model")
 SPELLINGS = {
     "sweep": Spelling((*VARY, "--samples", "4"), (*VARY, "--samples", "5"), 4, "--out", workers=True),
     "table": Spelling((*OVER, "--over", "screw.conformity=0.52,0.9"), OVER, 8, csv="--out", workers=True),
@@ -42,9 +43,9 @@ SPELLINGS = {
     "curve": Spelling((*CURVE, "-300N:300N:15"), (*CURVE, "-300N:300N:16"), 3, csv="--csv"),
     "solve A B": Spelling((*BESIDE, "clearance"), BESIDE, 3),
     "load cases": Spelling(("solve", "two.toml", "--model", "lin"), ("solve", "two.toml"), 3, csv="--loads-csv"),
-    "survey": Spelling((*SURVEY, "lin", "--model", "lin-cell"), (*SURVEY, "lin"), 16, workers=True),
+    "survey": Spelling((*SURVEY, "lin"), (*SURVEY, "lin-cell"), 6, workers=True),
 }
-each_spelling = pytest.mark.parametrize("name", SPELLINGS)
+each_spelling = pytest.mark.parametrize("name", all_slow_but(["members", "solve A B", "load cases"], SPELLINGS))
 
 
 class GoneError(Exception):
@@ -106,7 +107,7 @@ def test_rows_that_a_kill_has_cut_off_are_solved_and_no_others(name, answers, tm
     assert len(solved) == len({*solved}) == spelling.rows - half
 
 
-@pytest.mark.parametrize("name", [name for name, spelling in SPELLINGS.items() if spelling.workers])
+@pytest.mark.parametrize("name", all_slow_but(["members"], (x for x, spelling in SPELLINGS.items() if spelling.workers)))
 def test_two_workers_store_and_answer_the_same(name, answers, tmp_path, monkeypatch) -> None:
     spelling = SPELLINGS[name]
     alone = answers(spelling, stored=False)

@@ -90,6 +90,7 @@ def test_an_unknown_part_leaves_u_val_unknown_and_counts_nothing_where_that_is_s
     assert uncertainty.Uncertainty(discretisation=3.0, inputs=4.0).total == pytest.approx(5.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", uncertainty.QUANTITIES, ids=lambda q: q.name)
 def test_every_part_is_there(quantity) -> None:
     parts, _ = uncertainty.validation_uncertainty(STUDY, SCENE, quantity)
@@ -102,6 +103,7 @@ def test_every_part_is_there(quantity) -> None:
         assert parts[0] == pytest.approx(100.0 * ref.uncertainty / ref.load[ref.load > 0.0].mean())
 
 
+@pytest.mark.slow
 def test_the_reference_itself_has_no_error_and_a_known_shift_is_found() -> None:
     answer = solution_from_run(STUDY.stored_reference(SCENE).best, "3D")
     larger = replace(answer, load=1.02 * answer.load, line=1.05 * answer.line)

@@ -176,6 +176,7 @@ def test_displacement_across_and_tilt_stand_in_the_table_with_loads_that_cause_t
         assert (result.nut.tilt is not None, result.load_point.across is not None) == (shown, shown)
 
 
+@pytest.mark.slow
 def test_a_nut_of_an_axis_that_nothing_braces_answers_the_rigidities_of_the_formula() -> None:
     """As the only nut of a scene does; the formula does not know the preload by another nut or row."""
     axis, double = (rollbench.solve(name, "lin") for name in ("axis-fixed-fixed", "double-nut"))

@@ -108,6 +108,7 @@ def shares_held(rng: np.random.Generator, levels: int, orders, count: int, repea
     return shares
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("levels", [3, 4])
 def test_pooled_uncertainty_holds_the_truth(levels: int) -> None:
     """In 95 % of all contacts over orders and scatter; nowhere in fewer than 88 %. 64 contacts share an order."""
@@ -117,6 +118,7 @@ def test_pooled_uncertainty_holds_the_truth(levels: int) -> None:
     assert np.mean(shares) > 0.95
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("levels", [3, 4])
 def test_a_single_quantity_s_uncertainty_holds_the_truth(levels: int) -> None:
     def bars(values, sizes):

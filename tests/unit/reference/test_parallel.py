@@ -137,6 +137,7 @@ def where(backend, scheduler):
     return {"serial": ("joblib", None, 1), "joblib": ("joblib", None, 2), "dask": ("dask", scheduler, 2)}[backend]
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")  # loky, when it is stopped at once
 @pytest.mark.parametrize("backend", ["serial", "joblib", "dask"])
 def test_an_exception_is_raised_once_with_its_message(backend, where, capfd):
@@ -209,6 +210,7 @@ def test_a_scheduler_without_workers_is_refused_after_a_wait(capfd, monkeypatch)
     assert "waiting 1 s for a worker" in capfd.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("at_first", [0, 1])
 def test_workers_that_join_late_are_used(at_first, tmp_path):
     """The first worker comes when jobs wait already, and a second one is given the job that waits for the first's."""

@@ -15,7 +15,7 @@ from tests.report_samples import CHROMIUM, WITH_CHROMIUM, paged
 from rollbench.reports.content import Figure, Panel, Report, Section, Series, Summary, Table, TableColumn, Text
 from rollbench.reports.pages import write_report
 
-pytestmark = [WITH_CHROMIUM, pytest.mark.xdist_group("browser")]
+pytestmark = [WITH_CHROMIUM, pytest.mark.xdist_group("browser"), pytest.mark.slow]
 WIDTHS = {1400: 900, 390: 844}
 PAGES = ("index.html", "loads.html", "tables.html")
 #: Opens the pages, waits, works on each, and writes what it found into itself.

@@ -71,6 +71,7 @@ def test_sums_of_several_sets(command, small):
     assert axial["lost_motion_um_per_100N"] == pytest.approx(200.0 / axial["tangent_N_per_um"], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_tables_files_and_stations_of_several_sets(command, small, tmp_path):
     files = "--stiffness-at", "100 mm", "--matrix", tmp_path / "k.mtx"
     code, out, _ = command("solve", small, "--model", "lin", *files)

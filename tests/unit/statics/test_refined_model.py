@@ -66,6 +66,7 @@ def test_unseen_screws_hold(monkeypatch: pytest.MonkeyPatch) -> None:
         assert rungs["condensed"].load_error.max_percent <= max(0.8, 1.1 * bar)
 
 
+@pytest.mark.slow
 def test_kept_points_are_what_the_ladder_gives_now() -> None:
     study = SceneResultCache()
     kept = {(p.scene, p.model): p for p in model_form.model_errors_on_compared_scenes()}
@@ -97,6 +98,7 @@ def test_what_is_expected_grows_where_errors_do_and_ends_where_nothing_was_compa
     assert (nothing.loads, nothing.compared) == (None, 0)
 
 
+@pytest.mark.slow
 def test_no_errors_of_fifty_per_cent_are_promised() -> None:
     """How many compared screws are within what the others expect: tests/unit/models/test_covered.py."""
     found = model_form.leave_one_out_errors(model_form.model_errors_on_compared_scenes(), DEFAULT)

@@ -6,6 +6,8 @@ from itertools import combinations
 from pathlib import Path
 from typing import NamedTuple
 
+import pytest
+
 ROOT = Path(__file__).parents[3]
 PACKAGES = ("lowfi", "hifi", "meshes", "compare", "reports")
 #: Smallest number of shared fields that counts; fewer are names such as `name` and `title`.
@@ -73,6 +75,7 @@ def records() -> list[Fields]:
     return [one for one in out if len(one.own) >= FEWEST]
 
 
+@pytest.mark.slow
 def test_no_two_records_share_half_of_their_fields_but_those_that_are_explained() -> None:
     shared = {
         frozenset((a.name, b.name))
@@ -84,6 +87,7 @@ def test_no_two_records_share_half_of_their_fields_but_those_that_are_explained(
     assert not [sorted(pair) for pair in explained - shared], "no longer so: delete the line"
 
 
+@pytest.mark.slow
 def test_no_answer_is_read_back_from_its_json() -> None:
     """A function that makes a record of JSON reads a file; only the file of `table --out` holds an answer."""
     answers = {"Result", "Comparison", "Verdict", "Friction", "MeshStudy", "Sweep", "Survey", "Ensemble", "Table"}

@@ -3,6 +3,7 @@
 import pytest
 from tests.copies import ROOT
 from tests.processes import python
+from tests.slow import all_slow_but
 
 #: Runs a command and lists at its end, on standard error, the modules that are loaded.
 LISTED = """
@@ -40,7 +41,10 @@ def test_a_solve_loads_nothing_whose_answer_it_does_not_print(tmp_path):
     assert commands <= {"solve", "terminal"}, "options of other commands"
 
 
-@pytest.mark.parametrize("command", ["solve lin-case1-cut", "solve lin-case1", "friction two-balls --mu 0.1"])
+COMMANDS = ("solve lin-case1-cut", "solve lin-case1", "friction two-balls --mu 0.1")
+
+
+@pytest.mark.parametrize("command", all_slow_but(["solve lin-case1"], COMMANDS))
 def test_a_second_solve_of_known_parts_finds_what_the_first_one_kept(tmp_path, command):
     """And then takes none of the packages that are slow to import."""
     (first, _), (again, modules) = (loaded(command, tmp_path, ROLLBENCH_CACHE=tmp_path / "cache") for _ in range(2))
