@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -14,6 +14,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from rollbench.meshes.files import temporary_path
+from rollbench.meshes.processes import single_thread_workers, without_restart_warnings
 from rollbench.reports import cells as reports_cells
 from rollbench.reports import content, field3d, figures, scene3d, sketch, view
 from rollbench.reports.manifest import FILE as MANIFEST
@@ -43,6 +44,9 @@ _NAMED = re.compile(r"\b([Tt]ables?|[Ff]igures?|[Ss]ections?) ([a-z0-9][\w.-]*\w
 
 T = TypeVar("T", content.Figure, content.PressureMap)
 
+#: Items that are drawn as SVG documents.
+Drawn = content.Figure | content.PressureMap | content.Sketch
+
 #: Function that is called with each line of progress.
 Progress = Callable[[str], None]
 
@@ -57,8 +61,18 @@ class _ReportWriter:
     show_progress: Progress
     #: Link target of each table, figure and section, by its name.
     link_targets: dict[str, str]
+    #: Names of the drawn items with their SVG documents, as they become ready.
+    drawings: Iterator[tuple[str, list[str]]]
+    #: SVG documents that are ready, by the name of the item.
+    ready: dict[str, list[str]] = field(default_factory=dict)
     #: Entries of the search index, collected page by page.
     search_entries: list[dict[str, str]] = field(default_factory=list)
+
+    def svg_documents(self, name: str) -> list[str]:
+        """Return the SVG documents of the drawn item ``name``, as soon as they are ready."""
+        while name not in self.ready:
+            self.ready |= [next(self.drawings)]
+        return self.ready.pop(name)
 
     def html_with_links(self, text: str) -> Markup:
         """Return a text as HTML, in which references such as "table NAME" or "figure NAME" are links."""
@@ -76,7 +90,46 @@ def load_templates() -> Environment:
     return Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
 
 
-def write_pages(report: content.Report, folder: Path, show_progress: Progress) -> None:
+def draw_forms(item: Drawn) -> tuple[str, list[str]]:
+    """Return the name of an item and its SVG documents: one, or one for a wide screen and one for a phone."""
+    if isinstance(item, content.Sketch):
+        return item.name, [sketch.draw_sketch(item)]
+    if isinstance(item, content.Figure):
+        return item.name, [figures.draw_figure(form) for form in _forms(item, figures.phone_figure(item))]
+    phone = replace(item, columns=1, width=figures.PHONE)
+    return item.name, [figures.draw_pressure_map(form) for form in _forms(item, phone)]
+
+
+def _draw_all(report: content.Report, processes: int) -> Iterator[tuple[str, list[str]]]:
+    """Yield the name and SVG documents of each drawn item of a report, in the order of the pages, the first page last.
+
+    ``processes``: number of processes that draw.
+    """
+    items = [item for section in report.sections for item in section.items]
+    items += _items_of_summary(_summary(report))
+    drawn = [item for item in items if isinstance(item, Drawn)]
+    if processes == 1 or len(drawn) == 1:
+        yield from map(draw_forms, drawn)
+        return
+    from joblib import Parallel, delayed
+
+    with single_thread_workers():
+        workers = Parallel(n_jobs=processes, return_as="generator")
+    with without_restart_warnings():
+        yield from workers(map(delayed(draw_forms), drawn))
+
+
+def _summary(report: content.Report) -> content.Summary | None:
+    """Return the contents of a report's first page, which one of the sections has; None without."""
+    return next((section.summary for section in report.sections if section.summary), None)
+
+
+def _items_of_summary(summary: content.Summary | None) -> list[content.Table | content.Figure]:
+    """Return the tables and figures of a report's first page, the main figure first."""
+    return [] if summary is None else [summary.figure, *summary.items]
+
+
+def write_pages(report: content.Report, folder: Path, show_progress: Progress, processes: int = 1) -> None:
     """Write all files of a report: pages, tables, figures, search index, and manifest.
 
     Parameters
@@ -87,9 +140,11 @@ def write_pages(report: content.Report, folder: Path, show_progress: Progress) -
         Existing folder with the subfolders ``tables`` and ``figures``.
     show_progress
         Function that is called with each line of progress.
+    processes
+        Number of processes that draw the figures.
     """
     environment = load_templates()
-    writer = _ReportWriter(folder, show_progress, _link_targets(report))
+    writer = _ReportWriter(folder, show_progress, _link_targets(report), _draw_all(report, processes))
     environment.filters.update(
         typeset=reports_cells.with_typographic_signs,
         linked=writer.html_with_links,
@@ -103,7 +158,7 @@ def write_pages(report: content.Report, folder: Path, show_progress: Progress) -
         heading = f"{page['title']} – {report.title}"
         text = environment.get_template("page.html.j2").render(**common, **of_page, heading=heading)
         _write_page(folder / page["file"], text)
-    summary = next((section.summary for section in report.sections if section.summary), None)
+    summary = _summary(report)
     first = None if summary is None else _summary_template_data(summary, writer)
     text = environment.get_template("index.html.j2").render(**common, summary=first, current="", heading=report.title)
     _write_page(folder / "index.html", text)
@@ -218,8 +273,8 @@ def _summary_template_data(summary: content.Summary, writer: _ReportWriter) -> d
     """Write the figures and tables of the report's first page to files, and return the data for its HTML template."""
     text = " ".join((*summary.coverage, *summary.limits))
     writer.search_entries.insert(0, _search_index_entry(summary.question, "index.html", "page", text))
-    first, *items = [_item_template_data(item, "index.html", writer) for item in (summary.figure, *summary.items)]
-    return {"record": summary, "figure": first, "items": items}
+    first, *others = [_item_template_data(item, "index.html", writer) for item in _items_of_summary(summary)]
+    return {"record": summary, "figure": first, "items": others}
 
 
 def _item_template_data(item: content.Item, page: str, writer: _ReportWriter) -> dict[str, Any]:
@@ -234,14 +289,8 @@ def _item_template_data(item: content.Item, page: str, writer: _ReportWriter) ->
     view: dict[str, Any] = {"kind": "figure", "figure": item}
     view |= dict.fromkeys(("file", "drawing", "narrow", "image", "missing", "turned"))
     name = f"figures/{item.name}"
-    if isinstance(item, content.Figure | content.PressureMap | content.Sketch):
-        if isinstance(item, content.Sketch):
-            drawn = [sketch.draw_sketch(item)]
-        elif isinstance(item, content.Figure):
-            drawn = [figures.draw_figure(form) for form in _forms(item, figures.phone_figure(item))]
-        else:
-            phone = replace(item, columns=1, width=figures.PHONE)
-            drawn = [figures.draw_pressure_map(form) for form in _forms(item, phone)]
+    if isinstance(item, Drawn):
+        drawn = writer.svg_documents(item.name)
         forms = dict(zip(("file", "narrow"), (f"{name}.svg", f"{name}-narrow.svg"), strict=True))
         for form, svg in zip(forms, drawn, strict=False):
             _write_text(writer.folder / forms[form], svg)
@@ -335,7 +384,7 @@ _FOLDERS = {"tables": (".csv",), "figures": (".svg", ".png")}
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 
-def write_report(report: content.Report, out: Path, progress: Progress | None = None) -> Path:
+def write_report(report: content.Report, out: Path, progress: Progress | None = None, processes: int = 1) -> Path:
     """Write a report to a folder that contains nothing else afterwards.
 
     All files are first written to a temporary folder, which replaces ``out`` when it is complete. After an error or an
@@ -349,6 +398,8 @@ def write_report(report: content.Report, out: Path, progress: Progress | None = 
         Folder that does not exist, is empty, or contains an earlier report and nothing else.
     progress
         Function that is called with a line of text before each page, and when a picture cannot be drawn.
+    processes
+        Number of processes that draw the figures.
 
     Returns
     -------
@@ -366,7 +417,7 @@ def write_report(report: content.Report, out: Path, progress: Progress | None = 
     def fill_folder(folder: Path) -> None:
         for name in ("tables", "figures"):
             (folder / name).mkdir()
-        write_pages(report, folder, progress or (lambda _: None))
+        write_pages(report, folder, progress or (lambda _: None), processes)
 
     return replace_report_folder(out, fill_folder) / "index.html"
 

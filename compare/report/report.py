@@ -374,7 +374,7 @@ def write_validation_report(
         origin={**facts, "inputs": hashes_of_report_inputs(study.reference_folders or (shipped_store(),), texts)},
     )
     with raise_folder_errors_as_input_errors(out):
-        page = write_report(report, out, progress.print_step)
+        page = write_report(report, out, progress.print_step, workers)
     agree, checks = True, list[str]()
     if checking:
         say(f"report: {page} ({perf_counter() - start:.0f} s)")
