@@ -23,7 +23,6 @@ from importlib.util import find_spec
 from math import isnan
 from pathlib import Path
 from random import Random
-from time import process_time
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -98,8 +97,8 @@ class StudyCache(Protocol):
     def record_used_scenes(self, names: Iterable[str]) -> None:
         """Record that results depend on the shipped scenes ``names``."""
 
-    def value_with_used_scenes(self, compute: Callable[[Any], T]) -> tuple[T, frozenset[str]]:
-        """Return the value of ``compute(self)`` and the names of the shipped scenes on which it depends."""
+    def value_with_scenes_and_seconds(self, compute: Callable[[Any], T]) -> tuple[T, frozenset[str], float]:
+        """Return the value of ``compute(self)``, the shipped scenes on which it depends, and its processor time [s]."""
 
 
 # --- what moves a study
@@ -265,9 +264,8 @@ class StoredStudies:
         """
         known = self.stored(study)
         if known is None or study.name in self.compared:
-            start = process_time()
-            value, scenes = cache.value_with_used_scenes(study.compute)
-            spent, versions = process_time() - start, package_versions(("numpy", "scipy"))
+            value, scenes, spent = cache.value_with_scenes_and_seconds(study.compute)
+            versions = package_versions(("numpy", "scipy"))
             if known is None:
                 known = StoredStudy(study.name, self._digest(study), value, spent, versions, tuple(sorted(scenes)))
                 self._write(known)

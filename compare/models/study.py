@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from time import process_time
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from rollbench.compare.models.model import ModelOptions
@@ -49,6 +50,12 @@ class SceneResultCache:
     computed_values: dict[Any, Any] = field(default_factory=dict)
     #: Names of the scenes on which each of these values depends.
     scenes_of_values: dict[Any, frozenset[str]] = field(default_factory=dict)
+    #: Processor time in which each of these values was computed [s].
+    seconds_of_values: dict[Any, float] = field(default_factory=dict)
+    #: Those of these values that are used so far, by function and arguments.
+    used_values: set[Any] = field(default_factory=set)
+    #: Processor time [s] that was saved because they had been computed before.
+    saved_seconds: float = 0.0
 
     def built_in_scene(self, name: str) -> Scene:
         """Return the scene ``name``: one of ``scenes``, or else the built-in one, read from its file on first use."""
@@ -66,14 +73,20 @@ class SceneResultCache:
         """All scenes on which results of this report or check depend so far, by name, sorted by name."""
         return {name: self.scenes.get(name) or catalogue.shipped_scene(name) for name in sorted(self.used_scene_names)}
 
-    def value_with_used_scenes(self, compute: Callable[[SceneResultCache], T]) -> tuple[T, frozenset[str]]:
-        """Return the value of ``compute(self)`` and the names of the built-in scenes on which it depends."""
-        before, self.used_scene_names = self.used_scene_names, set()
+    def value_with_scenes_and_seconds(self, compute: Callable[[SceneResultCache], T]) -> tuple[T, frozenset[str], float]:
+        """Return the value of ``compute(self)``, the names of the built-in scenes on which it depends, and its time.
+
+        The processor time [s] includes that of used values which `compute_once` had computed before.
+        """
+        scenes, self.used_scene_names = self.used_scene_names, set()
+        values, self.used_values = self.used_values, set()
+        start = process_time() + self.saved_seconds
         try:
             value = compute(self)
-            return value, frozenset(self.used_scene_names)
+            return value, frozenset(self.used_scene_names), process_time() + self.saved_seconds - start
         finally:
-            self.used_scene_names |= before
+            self.used_scene_names |= scenes
+            self.used_values |= values
 
     def scene_with_options(self, name: str, **ingredients: Any) -> Scene:
         """Return a copy of the built-in scene ``name`` with changed modelling options.
@@ -102,14 +115,25 @@ class SceneResultCache:
         """
         key = (function, *args)
         if key not in self.computed_values:
-            value, self.scenes_of_values[key] = self.value_with_used_scenes(lambda cache: function(cache, *args))
-            self.computed_values[key] = value
+            found = self.value_with_scenes_and_seconds(lambda cache: function(cache, *args))
+            self.computed_values[key], self.scenes_of_values[key], self.seconds_of_values[key] = found
+        elif key not in self.used_values:
+            self.saved_seconds += self.seconds_of_values.get(key, 0.0)
+        self.used_values.add(key)
         self.record_used_scenes(self.scenes_of_values.get(key, ()))
         return cast(T, self.computed_values[key])
 
     def without_values(self) -> SceneResultCache:
         """Return a cache with the same settings and stored studies that has solved and computed nothing yet."""
-        return replace(self, used_scene_names=set(), static_results={}, computed_values={}, scenes_of_values={})
+        return replace(
+            self,
+            used_scene_names=set(),
+            static_results={},
+            computed_values={},
+            scenes_of_values={},
+            seconds_of_values={},
+            used_values=set(),
+        )
 
     def stored_reference(self, name: str) -> Reference | None:
         """Return the stored 3D reference of the built-in scene ``name``; None without a converged run."""

@@ -197,6 +197,8 @@ def make_parts(
 NOT_COMPARED = ("section-cases", "section-rolling")
 #: Least number of stored studies that a report computes again: those that its date draws, then the quickest ones.
 LEAST = 20
+#: Number of parts in which these are distributed over processes.
+PARTS = 4
 
 
 def recompute_studies(names: Sequence[str], study: SceneResultCache, *, keeping: bool) -> list[Recomputed]:
@@ -409,14 +411,14 @@ def study_of_3d_runs(engine: ComputingSettings, step: Step, *, fresh: bool) -> S
 def check_stored_results(
     study: SceneResultCache, process_count: int, step: Step, *, with_3d_run: bool
 ) -> tuple[bool, list[str]]:
-    """Compute stored studies that the date draws again, and a shipped run of the 3D reference, in one process or in two.
+    """Compute stored studies that the date draws again, and a shipped run of the 3D reference, in several processes.
 
     Parameters
     ----------
     study
         Cache of the report.
     process_count
-        Number of processes; values above 2 count as 2.
+        Number of processes.
     step
         Called with each line of progress.
     with_3d_run
@@ -434,16 +436,20 @@ def check_stored_results(
         quickest = sorted(studies.found.keys() - {*names, *NOT_COMPARED}, key=lambda name: studies.found[name])
         names += quickest[: max(0, LEAST - len(names))]
         again = partial(recompute_studies, keeping=cache.is_geometry_cache_on())
-        jobs.append((again, (names, study.without_values())))
+        longest_first = sorted(names, key=lambda name: -studies.found.get(name, 0.0))
+        parts = [longest_first[k::PARTS] for k in range(PARTS if process_count > 1 else 1)]
+        jobs += [(again, (part, study.without_values())) for part in parts if part]
     if with_3d_run:
-        jobs.append((report_pages.recompute_shipped_run, ((shipped_store(),), step)))
-    agree, texts = True, list[str]()
-    for _, found in run_jobs(jobs, workers=min(process_count, len(jobs), 2)):
-        if isinstance(found, list) and studies is not None:
-            studies.recomputed[:] = {one.name: one for one in found}.values()
-            agree, texts = agree and studies.agree, [*texts, f"stored studies: {studies}"]
+        jobs.insert(0, (report_pages.recompute_shipped_run, ((shipped_store(),), step)))
+    agree, texts, recomputed = True, list[str](), dict[str, Recomputed]()
+    for _, found in run_jobs(jobs, workers=max(1, min(process_count, len(jobs)))):
+        if isinstance(found, list):
+            recomputed |= {one.name: one for one in found}
         elif found is not None:
-            agree, texts = agree and found.agrees_with_shipped_run, [*texts, f"live check: {found}"]
+            agree, texts = found.agrees_with_shipped_run, [f"live check: {found}"]
+    if studies is not None:
+        studies.recomputed[:] = [recomputed[name] for name in sorted(recomputed)]
+        agree, texts = agree and studies.agree, [*texts, f"stored studies: {studies}"]
     return agree, texts
 
 

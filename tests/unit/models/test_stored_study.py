@@ -3,6 +3,7 @@
 import sys
 from dataclasses import replace
 from pathlib import Path
+from time import process_time
 from types import SimpleNamespace
 
 import numpy as np
@@ -116,6 +117,25 @@ def test_a_value_is_found_with_its_scenes_and_computed_again_where_something_cha
     assert CALLS[:1] == ["study"]
     value(cache_with(tmp_path))
     assert not CALLS
+
+
+def busy(_: object) -> float:
+    end = process_time() + 0.05
+    while process_time() < end:
+        pass
+    return 1.0
+
+
+def test_the_seconds_of_a_study_are_those_that_it_takes_alone(tmp_path):
+    """Also where another study had computed a value that it uses twice: by them a report chooses what it computes again."""
+    cache, studies = (
+        cache_with(tmp_path),
+        [Study(x, (__name__,), lambda c: [c.compute_once(busy), c.compute_once(busy)]) for x in "ab"],
+    )
+    for study in (*studies, *studies):
+        assert value(cache, study) == [1.0, 1.0]
+    assert all(0.05 <= seconds < 0.09 for seconds in cache.stored_studies.found.values())
+    assert set(cache.stored_studies.found) == {"a", "b"}
 
 
 @pytest.mark.parametrize("name", ["scenes/double-nut.toml", "studies/campaign.json", "cases/lin/layout.toml"])
