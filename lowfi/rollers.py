@@ -151,15 +151,6 @@ class LineContactLaw:
         q = np.asarray(line_load, dtype=float)
         return np.where(q > 0.0, 1.0 / (self.g - self.s * (1.0 + np.log(np.where(q > 0.0, q, 1.0)))), 0.0)
 
-    def energy_per_length(self, line_load: Array | float) -> Array:
-        """Return the strain energy per length [J/m] under a load per length ``line_load`` [N/m].
-
-        It is the integral of the load per length over the approach, from zero to this load.
-        """
-        q = np.asarray(line_load, dtype=float)
-        safe = np.where(q > 0.0, q, 1.0)
-        return np.where(q > 0.0, 0.5 * q**2 * (self.g - self.s * (0.5 + np.log(safe))), 0.0)
-
 
 def approach_law_of_races(
     roller_radius: Array | float,

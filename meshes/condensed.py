@@ -99,28 +99,11 @@ class CondensedBodies:
         h : float
             Coefficient of F^(4/3) [m/N^(4/3)].
         """
-        e, h = self._fit_local_approach_of_flank(list(self.sides).index(side))[0]
+        k = list(self.sides).index(side)
+        share = np.cbrt(self.force[k]) / self.hertz[k]
+        rows = np.column_stack([share, share * np.cbrt(self.force[k])])
+        e, h = np.linalg.lstsq(rows, share * self.local[k], rcond=None)[0]
         return float(e), float(h)
-
-    def relative_deviation_of_fit(self, side: int) -> float:
-        """Return the RMS deviation of a flank's computed approaches from their fit (`fit_local_approach_over_load`).
-
-        Each deviation is divided by Hertz's approach of ball and groove under the same force. The deviations are due to the
-        finite contact grid of the 3D model. ``side``: flank; 0 and 1 are left and right on the screw, 2 and 3 on the nut.
-        """
-        return self._fit_local_approach_of_flank(list(self.sides).index(side))[1]
-
-    def _fit_local_approach_of_flank(self, k: int) -> tuple[Array, float]:
-        """Fit the coefficients of `fit_local_approach_over_load` to the approaches of one flank's contacts.
-
-        ``k``: index of the flank in ``sides``. Returns the coefficients e [m/N] and h [m/N^(4/3)] ``(2,)``, and the RMS
-        deviation of the samples from the fit, each divided by Hertz's approach.
-        """
-        force = self.force[k]
-        share = np.cbrt(force) / self.hertz[k]
-        rows, wanted = np.column_stack([share, share * np.cbrt(force)]), share * self.local[k]
-        line = np.linalg.lstsq(rows, wanted, rcond=None)[0]
-        return line, float(np.sqrt(np.mean((rows @ line - wanted) ** 2)))
 
     def save(self, path: Path) -> None:
         """Write these compliance matrices to a file; after an error, no incomplete file remains.

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from tests.load_cases import TEXT
 
-from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.template import commented_template
 from rollbench.meshes.axis import Assembly
 
@@ -26,6 +26,11 @@ def text(name):
         return own_text(name)
     others = {"support-bearings": lambda: commented_template(name), "load cases": lambda: TEXT}
     return others.get(name, lambda: catalogue.shipped_scene_text(name))()
+
+
+def parse_file(path):
+    """The ball screw or bearing of a scene file."""
+    return scene_file.scene_from_text(scene_file.read_scene_text(path), str(path))
 
 
 def changed(name, *changes):

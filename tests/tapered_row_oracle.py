@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollbench.lowfi.bearings.tapered_roller import solve_by_smith_load_zone
-from rollbench.lowfi.rollers import TaperedBearing
+from rollbench.lowfi.rollers import LineContactLaw, TaperedBearing
 from rollbench.meshes.arrays import Array
 
 
@@ -37,6 +37,12 @@ def roller_azimuths(bearing: TaperedBearing) -> Array:
     return 2.0 * np.pi * np.arange(bearing.rollers) / bearing.rollers
 
 
+def energy_per_length(law: LineContactLaw, line_load: Array) -> Array:
+    """Integral of the load per length over the approach of both raceways, up to ``line_load`` [N/m]: an energy [J/m]."""
+    safe = np.where(line_load > 0.0, line_load, 1.0)
+    return np.where(line_load > 0.0, 0.5 * line_load**2 * (law.g - law.s * (0.5 + np.log(safe))), 0.0)
+
+
 def strain_energy_and_derivatives(bearing: TaperedBearing, displacement: Array) -> tuple[float, Array, Array, Array]:
     """Return strain energy, forces, stiffness and roller loads of a bearing at a displacement of its inner ring.
 
@@ -56,7 +62,7 @@ def strain_energy_and_derivatives(bearing: TaperedBearing, displacement: Array) 
     direction = np.column_stack([np.full(bearing.rollers, sin), cos * np.cos(roller_azimuths(bearing))])
     law, length = bearing.approach_law(), bearing.length
     q = law.line_load(direction @ displacement)
-    energy, slope = length * law.energy_per_length(q), length * law.stiffness_per_length(q)
+    energy, slope = length * energy_per_length(law, q), length * law.stiffness_per_length(q)
     return float(energy.sum()), length * (q @ direction), (direction.T * slope) @ direction, length * q
 
 

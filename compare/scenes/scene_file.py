@@ -27,11 +27,6 @@ _DOTTED = re.compile(rf"""(?<![\w\-."'])(?:{_PART}[ \t]*+\.[ \t]*+){{{MAX_PARTS}
 MAX_BYTES, MAX_LINE = 4_000_000, 2_500_000
 
 
-def read_scene_file(path: str | Path) -> Scene:
-    """Read a ball screw or bearing from a scene file and name it as the file, without suffix; SceneError for faults."""
-    return scene_from_text(read_scene_text(path), str(path))
-
-
 def scene_from_text(text: str, file_name: str) -> Scene:
     """Return the ball screw or bearing that the text of a scene file describes.
 

@@ -187,22 +187,12 @@ def check_uncertainty_of_all_mesh_levels(cache: SceneResultCache) -> list[MeshUn
     return cache.compute_once(_compute_mesh_uncertainty_tests)
 
 
-def check_uncertainty_of_mesh_levels(cache: SceneResultCache, levels: tuple[int, ...]) -> list[MeshUncertaintyTest]:
-    """Test the mesh uncertainty estimated from given mesh levels by the loads on each scene's finest level.
-
-    ``levels``: the given mesh levels. Scenes that were solved on these levels and on a finer one are tested.
-    """
-    return _test_uncertainty_of_scenes(
-        cache, lambda loads: [levels] if set(levels) <= set(loads) and max(levels) < max(loads) else []
-    )
-
-
 def _compute_mesh_uncertainty_tests(cache: SceneResultCache) -> list[MeshUncertaintyTest]:
     """Test the mesh uncertainty of every scene as estimated from its coarsest level, its two coarsest levels, and so on."""
-    return _test_uncertainty_of_scenes(cache, lambda loads: [tuple(sorted(loads)[:k]) for k in range(1, len(loads))])
+    return check_uncertainty_of_scenes(cache, lambda loads: [tuple(sorted(loads)[:k]) for k in range(1, len(loads))])
 
 
-def _test_uncertainty_of_scenes(
+def check_uncertainty_of_scenes(
     cache: SceneResultCache, choose_level_groups: Callable[[estimate.Levelled], list[tuple[int, ...]]]
 ) -> list[MeshUncertaintyTest]:
     """Test mesh uncertainties of all scenes by the contact loads on the finest mesh level of each scene.

@@ -245,11 +245,6 @@ def friction_lines(found: Friction) -> list[Line]:
     return [*_lines_on_screw_or_bearing(found), *([] if found.run is None else lines_on_simulation(found.run))]
 
 
-def friction_text(found: Friction) -> str:
-    """Return all text lines of the terminal as one text, each with its label if it has one."""
-    return "\n".join(f"{label}: {text}" if label else text for label, text in friction_lines(found))
-
-
 def friction_tables(found: Friction) -> list[Shown]:
     """Return the tables of the terminal on the friction of a scene of any kind, without those of all balls."""
     if found.cases:

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from tests.axes import one_set
 from tests.helpers import four_flank_problem, small_screw
+from tests.shipped_texts import parse_file
 
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import run_model
-from rollbench.compare.scenes.scene_file import read_scene_file
 from rollbench.lowfi.rating.rigidity import axial_force
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.held import describe_motion, find_opening_motion
@@ -25,7 +25,7 @@ SCENES = Path(__file__).parent / "scenes"
 
 
 def read(name):
-    return read_scene_file(SCENES / f"{name}.toml")
+    return parse_file(SCENES / f"{name}.toml")
 
 
 @pytest.mark.parametrize("number", [3182, 90])

@@ -8,6 +8,7 @@ at the middles of the pressures of the round before, the one named 32x5 takes tw
 from pathlib import Path
 
 import pytest
+from tests.shipped_texts import parse_file
 
 from rollbench.compare.measure import load_error
 from rollbench.compare.models.model import ModelOptions
@@ -15,7 +16,6 @@ from rollbench.compare.models.registry import run_model
 from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.store import measuring_conditions
 from rollbench.compare.reference.tasks import ReferenceTask
-from rollbench.compare.scenes import scene_file
 from rollbench.hifi import reference
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
 
@@ -40,7 +40,7 @@ def test_loads_settle_in_few_rounds_and_the_refined_model_is_near(name, level, m
         return found
 
     monkeypatch.setattr(reference, "solve_reference", counted)
-    scene = scene_file.read_scene_file(SCENES / f"{name}.toml")
+    scene = parse_file(SCENES / f"{name}.toml")
     (run,) = compute_reference_runs(ReferenceTask((scene,), level))
     assert (run.status, run.moving, run.measured) == ("converged", 0.0, measuring_conditions())
     assert max(updates) <= 4

@@ -53,15 +53,14 @@ def move_along_steps(
         x[tried[good]] = trial[good]
         for whole, part in zip(state, there, strict=True):
             whole[tried[good]] = part[good]
-        if good.all():
-            left = left[:0]
+        refused = ~good
+        left = left[refused]
+        if not left.size:
             break
-        bad = ~good
         if shorten is None:
-            length[left[bad]] *= 0.5
+            length[left] *= 0.5
         else:
-            length[left[bad]] *= shorten(left[bad], length[left[bad]], type(there)(*(part[bad] for part in there)))
-        left = left[bad]
+            length[left] *= shorten(left, length[left], type(there)(*(part[refused] for part in there)))
     moved = np.ones(problems.size, dtype=bool)
     moved[left] = False
     return moved

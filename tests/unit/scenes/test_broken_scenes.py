@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.shipped_texts import changed
+from tests.shipped_texts import changed, parse_file
 
 from rollbench.compare.errors import SceneError
 from rollbench.compare.scenes import catalogue, scene_file
@@ -91,7 +91,7 @@ UNREADABLE = [("", "a directory"), ("none.toml", "no such file"), ("a\0b.toml", 
 @pytest.mark.parametrize(("name", "value"), UNREADABLE)
 def test_unreadable(tmp_path, name, value):
     with pytest.raises(SceneError) as caught:
-        scene_file.read_scene_file(f"{tmp_path}/{name}" if name else tmp_path)
+        parse_file(f"{tmp_path}/{name}" if name else tmp_path)
     assert (value in caught.value.value, str(caught.value).isprintable(), caught.value.key) == (True, True, "file")
 
 

@@ -7,7 +7,7 @@ import sys
 from dataclasses import replace
 
 import pytest
-from tests.shipped_texts import axis_names
+from tests.shipped_texts import axis_names, parse_file
 
 from rollbench.compare import case
 from rollbench.compare.errors import SceneError
@@ -41,7 +41,7 @@ def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(catalogue.shipped_scene_text("lin-pair-a"))
     with pytest.raises(SceneError, match="rollbench friction"):
-        scene_file.read_scene_file(path)
+        parse_file(path)
     assert scene_file.kind_of_scene(catalogue.scene_of_any_kind(str(path))) == "linear pair"
 
 
@@ -74,7 +74,7 @@ def test_conformity_part_of_a_material_and_starts():
 def test_byte_order_mark_windows_line_ends_and_the_hash_of_a_text(tmp_path):
     path = tmp_path / "w.toml"
     path.write_bytes(b"\xef\xbb\xbf" + commented_template().replace("\n", "\r\n").encode())
-    assert scene_file.read_scene_file(path).ball_count == 32
+    assert parse_file(path).ball_count == 32
     assert scene_file.hash_of_scene_text("a") == "ca978112ca1bbdca" != scene_file.hash_of_scene_text("a ")
 
 
