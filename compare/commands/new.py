@@ -26,7 +26,8 @@ def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
         (more balls of it), screw-pair (two balls of a ball screw), screw-run (a ball screw that turns for some time).
     like
         Nominal diameter and lead of a ball screw or double nut in mm, such as 40x10; or a maker's name of a nut or bearing,
-        such as "HIWIN R40-10T4-FSI", for what is printed of it: see rollbench list --makers. Other dimensions are typical.
+        such as "HIWIN R40-10T4-FSI", for what is printed of it: see rollbench list --makers HIWIN. Other dimensions are
+        typical.
     """
     from rollbench.compare import files
     from rollbench.compare.scenes.catalogue_part import scene_text_of_catalogue_part

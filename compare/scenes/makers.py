@@ -256,7 +256,7 @@ def find_part(name: str, *, double: bool = False, argument: str = "like") -> Cat
     if len(wanted) == 1:
         return wanted[0]
     near = wanted or [p for p in every if key and key in _plain(p.label)]
-    allowed = "a size such as 40x10, or a name of one nut or bearing that rollbench list --makers shows"
+    allowed = "a size such as 40x10, or a name of one nut or bearing that rollbench list --makers MAKER shows"
     if argument != "like":
         allowed = "words of a name, maker or type"
     if near:

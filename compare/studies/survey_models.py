@@ -394,6 +394,7 @@ def compare_models_on_random_screws(
     if not 0.0 < limit < float("inf"):
         advice = "give the largest allowed error of a contact load in per cent of the mean load, such as 7"
         raise ArgumentError("max_error", f"{limit:g}", "above 0 %", advice)
+    models = tuple(dict.fromkeys(models))
     for name in models:
         model_by_name(name, excluded_names=("condensed",))
     numbers = [number for number in range(count) if number in stored_loads()]
@@ -408,7 +409,7 @@ def compare_models_on_random_screws(
         for name in survey.MODELS
         if name not in models
     }
-    return Survey(screws=len(numbers), of=count, max_error=limit, judged=tuple(models), rows=rows | record)
+    return Survey(screws=len(numbers), of=count, max_error=limit, judged=models, rows=rows | record)
 
 
 def _judge_models_on_screws(
