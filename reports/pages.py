@@ -42,6 +42,9 @@ HOW = "how"
 #: References in a text to a table, figure or section of the report, by its name.
 _NAMED = re.compile(r"\b([Tt]ables?|[Ff]igures?|[Ss]ections?) ([a-z0-9][\w.-]*\w)")
 
+#: Number of drawn items from which on they are drawn by several processes, which take seconds to start.
+WORTH_PROCESSES = 8
+
 T = TypeVar("T", content.Figure, content.PressureMap)
 
 #: Items that are drawn as SVG documents.
@@ -108,7 +111,7 @@ def _draw_all(report: content.Report, processes: int) -> Iterator[tuple[str, lis
     items = [item for section in report.sections for item in section.items]
     items += _items_of_summary(_summary(report))
     drawn = [item for item in items if isinstance(item, Drawn)]
-    if processes == 1 or len(drawn) == 1:
+    if processes == 1 or len(drawn) < WORTH_PROCESSES:
         yield from map(draw_forms, drawn)
         return
     from joblib import Parallel, delayed

@@ -63,6 +63,15 @@ def written(tmp_path_factory):
     return pages.write_report(report(), tmp_path_factory.mktemp("report") / "out").parent
 
 
+@pytest.mark.slow
+def test_figures_that_several_processes_draw_are_the_same(tmp_path, monkeypatch):
+    monkeypatch.setattr(pages, "WORTH_PROCESSES", 2)
+    several = report(*(figure(f"figure-{k}", title=f"Figure {k}") for k in range(3)), table())
+    alone, together = (pages.write_report(several, tmp_path / str(k), processes=k).parent for k in (1, 2))
+    assert contents(together) == contents(alone)
+    assert len(list(together.glob("figures/*.svg"))) == 3
+
+
 @pytest.mark.usefixtures("no_picture")
 class TestPage:
     def test_pages_are_balanced_marked_and_load_nothing_from_elsewhere(self, written):
