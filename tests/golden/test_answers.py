@@ -29,7 +29,8 @@ def kept(command):
 
 
 #: Commands that take seconds.
-SLOW = {"solve axis-fixed-fixed", "solve double-nut", "solve lin-combined --model lin", "compare lin-case1"}
+SLOW = {"solve axis-fixed-fixed", "solve double-nut", "solve lin-combined --model lin"}
+SLOW |= {"solve axis-fixed-fixed --model lin", "solve lin-case3-offset", "compare lin-case1", "compare lin-case3-offset"}
 
 
 def marked(command):

@@ -10,6 +10,7 @@ import pytest
 from tests.load_cases import written
 from tests.processes import python
 from tests.shipped_texts import changed
+from tests.slow import all_slow_but
 
 import rollbench
 from rollbench.compare.gate import user
@@ -69,6 +70,7 @@ def test_the_stiffness_is_there_without_an_axial_force() -> None:
     assert found.nut.displacement is found.load_point.secant is None
 
 
+@pytest.mark.slow
 def test_fields_of_several_sets(command) -> None:
     found, data = rollbench.solve("double-nut", "lin"), command.answer("solve", "double-nut", "--model", "lin")
     assert [*found.sets] == [one["name"] for one in data["sets"]]
@@ -86,7 +88,10 @@ def test_fields_of_several_sets(command) -> None:
     assert found.columns()["set"].count("nut 2") == len(found.sets["nut 2"].loads)
 
 
-@pytest.mark.parametrize(("name", "member"), [("lin-random", 2), ("unseen-40x10", 0), ("axis-fixed-fixed", 0)])
+WORST = [("lin-random", 2), ("unseen-40x10", 0), ("axis-fixed-fixed", 0)]
+
+
+@pytest.mark.parametrize(("name", "member"), all_slow_but(WORST[:2], WORST))
 def test_the_worst_contact_is_that_of_the_largest_pressure(name: str, member: int) -> None:
     found = rollbench.solve(name, "lin", member=member)
     for one in [*found.sets.values()] or [found]:

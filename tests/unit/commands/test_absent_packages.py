@@ -53,7 +53,7 @@ def run(words, folder, before=(sys.executable, "-m", "tests.without"), **variabl
     return done.returncode, done.stdout + done.stderr
 
 
-@pytest.mark.parametrize(("package", "words", "code", "said"), all_slow_but([CASES[1], CASES[4]], CASES[:6]))
+@pytest.mark.parametrize(("package", "words", "code", "said"), all_slow_but([CASES[1]], CASES[:6]))
 def test_commands_without_a_package(package, words, code, said, tmp_path):
     found, text = run([package, *words], tmp_path, PYTHONPATH=str(ROOT))
     assert (found, said in text, "Traceback" in text) == (code, True, False), text

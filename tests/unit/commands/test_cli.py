@@ -132,7 +132,10 @@ def test_a_mesh_study_uses_shipped_runs_and_closes_with_a_sentence(command, tmp_
     assert "load of ball 12, NR" in (tmp_path / "unseen-four-point-mesh-study.csv").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize(("line", "words"), [(line, words) for line, *words in REFUSED])
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [pytest.param(x, words, marks=pytest.mark.slow if x.startswith("bench") else ()) for x, *words in REFUSED],
+)
 def test_a_refused_command_line_says_why_in_one_line(command, line: str, words: list[str]) -> None:
     said = command.refused(*shlex.split(line))
     assert [word for word in words if word not in said] == []

@@ -79,6 +79,7 @@ def test_hand_and_direction_do_not_matter():
     assert other.typical_semi_axes() == pytest.approx(as_is.typical_semi_axes(), rel=1e-2)
 
 
+@pytest.mark.slow
 def test_errors_are_seen():
     nominal = estimate_contacts_of_scene(CASE).loads
     for errors in (

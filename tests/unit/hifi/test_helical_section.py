@@ -133,6 +133,7 @@ def meshed():
     return section.compute_equivalent_beam(m, bore, STEEL, stiffness, shafts), shafts
 
 
+@pytest.mark.slow
 def test_a_homogenised_shaft_lies_between_root_and_lands(meshed):
     found, m = meshed[0], HANDS["left"]
     axial, bending, torsion = found.equivalent_radii

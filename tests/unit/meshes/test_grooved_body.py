@@ -213,7 +213,7 @@ KINDS = {
 }
 
 
-@pytest.mark.parametrize("kind", all_slow_but(["Table 4.1, screw", "screw without a hole"], KINDS))
+@pytest.mark.parametrize("kind", all_slow_but(["screw without a hole"], KINDS))
 def test_any_scene(kind):
     make, sides, name = KINDS[kind]
     case = make()

@@ -146,6 +146,7 @@ def test_an_estimate_is_made_from_scenes_of_the_same_kind() -> None:
         assert "%" not in expected_error_sentence(form)
 
 
+@pytest.mark.slow
 def test_a_calibrated_error_holds_its_share_even_if_the_fit_is_wrong() -> None:
     """Fitted on a few scenes of another kind, whose errors are a third: screws the fit does not know make up for it."""
     rng = np.random.default_rng(3)

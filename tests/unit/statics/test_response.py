@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.helpers import small_screw
+from tests.slow import all_slow_but
 
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.response import cached_compliance
@@ -54,7 +55,7 @@ def alike(a: StaticResult, b: StaticResult) -> bool:
     return np.array_equal(a.load, b.load) and np.array_equal(a.centreline, b.centreline)
 
 
-@pytest.mark.parametrize("model", ["refined", "lin-nut"])
+@pytest.mark.parametrize("model", all_slow_but(["lin-nut"], ["refined", "lin-nut"]))
 @pytest.mark.parametrize("change", [*SAME, *OTHER])
 def test_a_kept_response_gives_the_digits_of_a_new_one(change: str, model: str) -> None:
     scene = (SAME | OTHER)[change]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from tests.axes import one_set
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, small_screw
+from tests.slow import all_slow_but
 
 from rollbench.lowfi.hertz import contact_stiffness_under_force
 from rollbench.lowfi.statics.axis.solve import solve_assembly, solve_assembly_with_elastic_bodies
@@ -39,7 +40,7 @@ def test_uneven_flanks_are_met_in_lengths_of_the_ball_s_radius(name):
     assert 0.0 < bounds[1] < 0.1 * bounds[0]
 
 
-@pytest.mark.parametrize("several", [False, True])
+@pytest.mark.parametrize("several", all_slow_but([False], [False, True]))
 def test_newton_s_steps_on_a_long_shaft_with_many_balls_are_exact(several):
     """On 4,000 short elements the matrix of stiffness alone made steps of 1.8 times their length, which never converged."""
     short = small_screw(1000, 62.5, force=(0.0, 0.0, 156.25e3), load_at=0.0)
