@@ -3,7 +3,6 @@
 import sys
 from dataclasses import replace
 from pathlib import Path
-from time import process_time
 from types import SimpleNamespace
 
 import numpy as np
@@ -119,23 +118,22 @@ def test_a_value_is_found_with_its_scenes_and_computed_again_where_something_cha
     assert not CALLS
 
 
-def busy(_: object) -> float:
-    end = process_time() + 0.05
-    while process_time() < end:
-        pass
-    return 1.0
-
-
-def test_the_seconds_of_a_study_are_those_that_it_takes_alone(tmp_path):
+def test_the_seconds_of_a_study_are_those_that_it_takes_alone(tmp_path, monkeypatch):
     """Also where another study had computed a value that it uses twice: by them a report chooses what it computes again."""
-    cache, studies = (
-        cache_with(tmp_path),
-        [Study(x, (__name__,), lambda c: [c.compute_once(busy), c.compute_once(busy)]) for x in "ab"],
-    )
-    for study in (*studies, *studies):
-        assert value(cache, study) == [1.0, 1.0]
-    assert all(0.05 <= seconds < 0.09 for seconds in cache.stored_studies.found.values())
-    assert set(cache.stored_studies.found) == {"a", "b"}
+    clock = [0.0]
+    monkeypatch.setattr("rollbench.compare.models.study.process_time", lambda: clock[0])
+
+    def busy(_: object) -> float:
+        clock[0] += 5.0
+        return 1.0
+
+    def study_of_two(name: str) -> Study:
+        return Study(name, (__name__,), lambda cache: [cache.compute_once(busy), cache.compute_once(busy)])
+
+    cache = cache_with(tmp_path)
+    for name in "abab":
+        assert value(cache, study_of_two(name)) == [1.0, 1.0]
+    assert cache.stored_studies.found == {"a": 5.0, "b": 5.0}
 
 
 @pytest.mark.parametrize("name", ["scenes/double-nut.toml", "studies/campaign.json", "cases/lin/layout.toml"])
