@@ -15,7 +15,7 @@ from rollbench.compare.models.loading import absolute_axial_preload
 from rollbench.compare.models.model_form import ExpectedError
 from rollbench.compare.models.set_results import LifeByLoads, SetResult
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
-from rollbench.lowfi.bearings.axis import DriveTorqueParts, acceleration_torque, reflected_inertia, screw_inertia
+from rollbench.lowfi.bearings.axis import acceleration_torque, reflected_inertia, screw_inertia
 from rollbench.lowfi.bearings.torque import Band, roller_bearing_torque
 from rollbench.lowfi.rating import iso_lives, roller_life
 from rollbench.lowfi.rating import life as rating_life
@@ -178,7 +178,7 @@ def motor_torques_and_inertias(assembly: Assembly, sets: Mapping[str, SetResult]
         if len(known) < len(torques):
             return None
         ends = [tuple(x[k] for x in known) for k in (0, 1)]
-        low, high = (DriveTorqueParts(drive.torque, seals, end, 0.0).constant_speed_torque for end in ends)
+        low, high = (drive.torque + seals + sum(end) for end in ends)
         return low, high
 
     running, starting = (total([getattr(s, name) for s in torques]) for name in ("running", "starting"))

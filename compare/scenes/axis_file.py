@@ -580,19 +580,19 @@ def conformity_for_rigidity(bearing: Scene, preload: float, rigidity: float) -> 
     ValueError
         If no conformity gives this rigidity.
     """
-    from rollbench.lowfi.bearings.angular_contact import CatalogueBearings, conformity_from_pair_rigidity
+    from rollbench.lowfi.bearings.angular_contact import bearing_with_contact_angle, conformity_from_pair_rigidity
 
     steel, track = bearing.nut.material, bearing.track
-    rows = CatalogueBearings(
-        balls=np.array([float(bearing.ball_count)]),
-        ball_diameter=np.array([2.0 * bearing.balls.radius]),
-        pitch_diameter=np.array([2.0 * track.pitch_radius]),
-        conformity=np.array([USUAL_CONFORMITY]),
-        free_angle=np.array([track.contact_angle]),
-        young=steel.youngs_modulus,
-        poisson=steel.poissons_ratio,
+    rows = bearing_with_contact_angle(
+        bearing.ball_count,
+        2.0 * bearing.balls.radius,
+        2.0 * track.pitch_radius,
+        (USUAL_CONFORMITY, USUAL_CONFORMITY),
+        track.contact_angle,
+        steel.youngs_modulus,
+        steel.poissons_ratio,
     )
-    return float(conformity_from_pair_rigidity(rows, np.array([preload]), np.array([rigidity]))[0])
+    return float(conformity_from_pair_rigidity(rows, np.array(preload), np.array(rigidity)))
 
 
 def with_groove_radii_from_rigidity(

@@ -16,7 +16,8 @@ u = A sin(alpha - alpha_0) / cos(alpha).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -38,7 +39,10 @@ TOO_LARGE = (
 
 @dataclass(frozen=True)
 class BallBearing:
-    """Angular-contact ball bearing: a single row of balls between two grooves, all of one material.
+    """Angular-contact ball bearing, or many at once: a single row of balls between two grooves, all of one material.
+
+    The dimensions are numbers, or arrays of one common shape for many bearings; arrays of displacements or loads must then
+    broadcast with them.
 
     Raises
     ------
@@ -47,17 +51,17 @@ class BallBearing:
     """
 
     #: Number of balls Z.
-    balls: int
+    balls: Any
     #: Ball diameter D [m].
-    ball_diameter: float
+    ball_diameter: Any
     #: Diameter d_i at the bottom of the inner groove [m].
-    inner_raceway: float
+    inner_raceway: Any
     #: Diameter d_o at the bottom of the outer groove [m].
-    outer_raceway: float
+    outer_raceway: Any
     #: Radius r_i of the inner groove in an axial section [m].
-    inner_groove: float
+    inner_groove: Any
     #: Radius r_o of the outer groove in an axial section [m].
-    outer_groove: float
+    outer_groove: Any
     #: Young's modulus [Pa].
     young: float
     #: Poisson's ratio.
@@ -65,50 +69,87 @@ class BallBearing:
 
     def __post_init__(self) -> None:
         """Check that the dimensions give a contact angle and a Hertz contact; raise ValueError otherwise."""
-        if self.balls < 1 or self.ball_diameter <= 0.0 or self.young <= 0.0 or not 0.0 <= self.poisson < 0.5:
-            given = f"{self.balls} balls of {self.ball_diameter:g} m, Young's modulus {self.young:g} Pa"
+        d, young, poisson = self.ball_diameter, self.young, self.poisson
+        if np.min(self.balls) < 1 or np.min(d) <= 0.0 or young <= 0.0 or not 0.0 <= poisson < 0.5:
+            given = f"{np.min(self.balls)} balls of {np.min(d):g} m, Young's modulus {young:g} Pa"
             raise ValueError(
-                f"ball bearing: got {given}, Poisson's ratio {self.poisson:g}; allowed: values above 0, Poisson's ratio 0 "
+                f"ball bearing: got {given}, Poisson's ratio {poisson:g}; allowed: values above 0, Poisson's ratio 0 "
                 "to below 0.5"
             )
-        if min(self.inner_groove, self.outer_groove) <= 0.5 * self.ball_diameter:
-            radii = f"groove radii of {self.inner_groove:g} and {self.outer_groove:g} m"
+        if np.any(np.minimum(self.inner_groove, self.outer_groove) <= 0.5 * d):
+            radii = f"groove radii of {np.min(self.inner_groove):g} and {np.min(self.outer_groove):g} m"
+            raise ValueError(f"ball bearing: got {radii}; allowed: more than the ball's radius of {0.5 * np.max(d):g} m")
+        most = 2.0 * self.centre_distance
+        if not np.all((-1e-12 * d <= self.clearance) & (self.clearance <= most)):
             raise ValueError(
-                f"ball bearing: got {radii}; allowed: more than the ball's radius of {0.5 * self.ball_diameter:g} m"
-            )
-        if not -1e-12 * self.ball_diameter <= self.clearance <= 2.0 * self.centre_distance:
-            raise ValueError(
-                f"ball bearing: got a diametral clearance of {self.clearance:g} m; allowed: 0 to "
-                f"{2.0 * self.centre_distance:g} m, twice the distance of the groove centres"
+                f"ball bearing: got a diametral clearance of {np.min(self.clearance):g} m; allowed: 0 to "
+                f"{np.min(most):g} m, twice the distance of the groove centres"
             )
 
     @property
-    def pitch_diameter(self) -> float:
+    def pitch_diameter(self) -> Any:
         """Pitch diameter d_m [m] (Smith 1994, eq. 2.10)."""
         return 0.5 * (self.inner_raceway + self.outer_raceway)
 
     @property
-    def centre_distance(self) -> float:
+    def centre_distance(self) -> Any:
         """Distance A of the groove centres when the unloaded ball just touches both grooves [m] (Smith 1994, eq. 2.3)."""
         return self.inner_groove + self.outer_groove - self.ball_diameter
 
     @property
-    def clearance(self) -> float:
+    def clearance(self) -> Any:
         """Diametral clearance P_d [m] (Smith 1994, eq. 2.4)."""
         return self.outer_raceway - self.inner_raceway - 2.0 * self.ball_diameter
 
     @property
-    def free_angle(self) -> float:
+    def free_angle(self) -> Any:
         """Contact angle alpha_0 without load [rad] (Smith 1994, eq. 2.2)."""
-        return float(np.arccos(min(1.0 - 0.5 * self.clearance / self.centre_distance, 1.0)))
+        return np.arccos(np.minimum(1.0 - 0.5 * self.clearance / self.centre_distance, 1.0))
+
+    def thrust(self, deflection: float) -> float:
+        """Return the thrust [N] at an axial deflection [m]; zero where the balls are loose."""
+        return float(bearing_state_at_displacement(self, deflection).thrust)
+
+    def stiffness(self, deflection: float) -> float:
+        """Return the slope of the thrust over the axial deflection [N/m] at a deflection [m]; zero if balls are loose."""
+        return float(bearing_state_at_displacement(self, deflection).stiffness)
+
+    def deflection(self, load: float) -> float:
+        """Return the axial displacement u of the inner ring [m] under a thrust [N], to round-off.
+
+        Parameters
+        ----------
+        load
+            Thrust [N].
+
+        Raises
+        ------
+        ValueError
+            The load is negative, or so large that it needs a displacement of more than the ball's diameter, for which Hertz
+            contact is not valid.
+
+        Examples
+        --------
+        >>> b = bearing_with_contact_angle(16, 22.23e-3, 125.26e-3, (0.5232, 0.5232), np.radians(40.0), 206e9, 0.3)
+        >>> round(b.deflection(17727.0) * 1e6, 3)
+        36.0
+        """
+        if load < 0.0:
+            raise ValueError(
+                f"thrust on a row of balls: got {load:g} N; allowed: at least 0 N, it carries one direction only"
+            )
+        if load == 0.0:
+            return 0.0
+        state = bearing_states_under_thrust(self, np.array(load))
+        return float(state.displacement + (load - state.thrust) / state.stiffness)
 
 
 def bearing_with_contact_angle(
-    balls: int,
-    ball_diameter: float,
-    pitch_diameter: float,
-    conformity: tuple[float, float],
-    angle: float,
+    balls: Any,
+    ball_diameter: Any,
+    pitch_diameter: Any,
+    conformity: tuple[Any, Any],
+    angle: Any,
     young: float,
     poisson: float,
 ) -> BallBearing:
@@ -133,42 +174,6 @@ def bearing_with_contact_angle(
     play = (sum(grooves) - ball_diameter) * (1.0 - np.cos(angle))
     raceways = pitch_diameter - ball_diameter - play, pitch_diameter + ball_diameter + play
     return BallBearing(balls, ball_diameter, *raceways, grooves[0], grooves[1], young, poisson)
-
-
-@dataclass(frozen=True)
-class CatalogueBearings:
-    """Data of many angular-contact ball bearings, as catalogues give them; the arrays have one common shape."""
-
-    #: Number of balls of each bearing.
-    balls: Array
-    #: Ball diameters [m].
-    ball_diameter: Array
-    #: Pitch diameters [m].
-    pitch_diameter: Array
-    #: Groove radius over ball diameter, the same for both grooves of a bearing.
-    conformity: Array
-    #: Contact angles without load [rad].
-    free_angle: Array
-    #: Young's modulus [Pa].
-    young: float
-    #: Poisson's ratio.
-    poisson: float
-
-    @property
-    def inner_groove(self) -> Array:
-        """Radii of the grooves [m], the same for inner and outer ring."""
-        return np.asarray(self.conformity * self.ball_diameter)
-
-    outer_groove = inner_groove
-
-    @property
-    def centre_distance(self) -> Array:
-        """Distances A of the groove centres at which an unloaded ball just touches both grooves, of each bearing [m]."""
-        return np.asarray((2.0 * self.conformity - 1.0) * self.ball_diameter)
-
-
-#: One ball bearing, or many at once; with many, arrays of displacements or loads must broadcast with their fields.
-BallRows = BallBearing | CatalogueBearings
 
 
 @dataclass(frozen=True)
@@ -204,7 +209,7 @@ class BallBearingThrustState:
         return grown * self.inner_hertz.C_a * self.inner_hertz.C_b, grown * self.outer_hertz.C_a * self.outer_hertz.C_b
 
 
-def relative_curvatures(bearing: BallRows, angle: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+def relative_curvatures(bearing: BallBearing, angle: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     """Return the relative curvatures of a ball with inner and outer race [1/m], each a pair (across, along the track).
 
     Along the track the raceway is taken for the cone that touches it at the contact: its radius of curvature is d_m/(2 cos
@@ -229,7 +234,7 @@ def relative_curvatures(bearing: BallRows, angle: Array) -> tuple[tuple[Array, A
     return inner, outer
 
 
-def bearing_state_at_displacement(bearing: BallRows, displacement: Array | float) -> BallBearingThrustState:
+def bearing_state_at_displacement(bearing: BallBearing, displacement: Array | float) -> BallBearingThrustState:
     """Return contact angle, ball load, thrust and stiffness of a bearing at axial displacements of its inner ring.
 
     The state follows in closed form from the geometry of the grooves and Hertz's law, eqs. (1) and (2) in the docstring of
@@ -282,7 +287,7 @@ def bearing_state_at_displacement(bearing: BallRows, displacement: Array | float
 
 
 def _slope_of_hertz_constants_by_angle(
-    bearing: BallRows, angle: Array, inner: hertz.HertzConstants, outer: hertz.HertzConstants
+    bearing: BallBearing, angle: Array, inner: hertz.HertzConstants, outer: hertz.HertzConstants
 ) -> Array:
     """Return the derivative of the sum C_i + C_o of both races' Hertz constants with respect to the contact angle alpha.
 
@@ -333,57 +338,7 @@ def dimensionless_hertz_parameters(curvature_difference: float) -> tuple[float, 
     return float(h.C) * unit**2, float(h.C_a) * unit, float(h.C_b) * unit
 
 
-@dataclass(frozen=True)
-class BallBearingRow:
-    """Axial load-deflection law of an angular-contact ball bearing, for the equilibrium of several bearings on a shaft."""
-
-    #: The bearing.
-    bearing: BallBearing
-
-    def thrust(self, deflection: float) -> float:
-        """Return the thrust [N] at an axial deflection [m]; zero where the balls are loose."""
-        return float(bearing_state_at_displacement(self.bearing, deflection).thrust)
-
-    def stiffness(self, deflection: float) -> float:
-        """Return the slope of the thrust over the axial deflection [N/m] at a deflection [m]; zero if balls are loose."""
-        return float(bearing_state_at_displacement(self.bearing, deflection).stiffness)
-
-    def deflection(self, load: float) -> float:
-        """Return the axial deflection [m] under a thrust [N], to round-off."""
-        return displacement_under_thrust(self.bearing, load)
-
-
-def displacement_under_thrust(bearing: BallBearing, load: float) -> float:
-    """Return the axial displacement u of the inner ring [m] under a thrust [N], to round-off.
-
-    Parameters
-    ----------
-    bearing
-        The bearing.
-    load
-        Thrust [N].
-
-    Raises
-    ------
-    ValueError
-        The load is negative, or so large that it needs a displacement of more than the ball's diameter, for which Hertz
-        contact is not valid.
-
-    Examples
-    --------
-    >>> b = bearing_with_contact_angle(16, 22.23e-3, 125.26e-3, (0.5232, 0.5232), np.radians(40.0), 206e9, 0.3)
-    >>> round(displacement_under_thrust(b, 17727.0) * 1e6, 3)
-    36.0
-    """
-    if load < 0.0:
-        raise ValueError(f"thrust on a row of balls: got {load:g} N; allowed: at least 0 N, it carries one direction only")
-    if load == 0.0:
-        return 0.0
-    state = bearing_states_under_thrust(bearing, np.array(load))
-    return float(state.displacement + (load - state.thrust) / state.stiffness)
-
-
-def bearing_states_under_thrust(bearings: BallRows, load: Array) -> BallBearingThrustState:
+def bearing_states_under_thrust(bearings: BallBearing, load: Array) -> BallBearingThrustState:
     """Return contact angle, displacement and stiffness of many ball bearings under given thrusts.
 
     Newton's method is applied to F^(2/3), which is nearly linear in the displacement u.
@@ -411,7 +366,7 @@ def bearing_states_under_thrust(bearings: BallRows, load: Array) -> BallBearingT
     raise ValueError(TOO_LARGE.format(float(np.max(load))))
 
 
-def conformity_from_pair_rigidity(bearings: CatalogueBearings, preload: Array, rigidity: Array) -> Array:
+def conformity_from_pair_rigidity(bearings: BallBearing, preload: Array, rigidity: Array) -> Array:
     """Return the conformities (groove radius over ball diameter) at which preloaded bearing pairs have given stiffnesses.
 
     A pair consists of two equal bearings. Its axial stiffness falls with the conformity c, nearly as a power of c - 1/2, so
@@ -420,7 +375,7 @@ def conformity_from_pair_rigidity(bearings: CatalogueBearings, preload: Array, r
     Parameters
     ----------
     bearings
-        The bearings; the search starts from their conformities.
+        The bearings; the search starts from the conformities of their inner grooves.
     preload
         Force [N] that presses the two bearings of a pair against each other.
     rigidity
@@ -440,10 +395,12 @@ def conformity_from_pair_rigidity(bearings: CatalogueBearings, preload: Array, r
 
     def logarithm_of_stiffness_ratio(x: Array) -> Array:
         """Return the logarithm of computed over given stiffness of the bearing pairs, for x = log(conformity - 1/2)."""
-        state = bearing_states_under_thrust(replace(bearings, conformity=0.5 + np.exp(x)), preload)
+        size, conformity = (bearings.balls, bearings.ball_diameter, bearings.pitch_diameter), 0.5 + np.exp(x)
+        angle, steel = bearings.free_angle, (bearings.young, bearings.poisson)
+        state = bearing_states_under_thrust(bearing_with_contact_angle(*size, (conformity,) * 2, angle, *steel), preload)
         return np.asarray(np.log(2.0 * state.stiffness / rigidity))
 
-    old = np.log(bearings.conformity - 0.5)
+    old = np.log(bearings.inner_groove / bearings.ball_diameter - 0.5)
     value, slope = logarithm_of_stiffness_ratio(old), np.full_like(old, -0.2)
     for _ in range(STEPS):
         new = np.clip(old - value / slope, low, high)

@@ -60,28 +60,6 @@ def curvature_difference(curvatures: Sequence[float]) -> float:
     return abs((a - b) + (c - d)) / (a + b + c + d)
 
 
-def load_constant_of_race(curvature_sum: float, dimensionless_approach: float) -> float:
-    """Return the constant K of the law Q = K delta^1.5 of a ball on one race [N/mm^1.5], by eq. 2.8 of Smith (1994).
-
-    Parameters
-    ----------
-    curvature_sum
-        Sum of the four principal curvatures [1/mm].
-    dimensionless_approach
-        Dimensionless approach delta*.
-    """
-    return float(LOAD_CONSTANT * curvature_sum**-0.5 * dimensionless_approach**-1.5)
-
-
-def load_constant_of_both_races(inner: float, outer: float) -> float:
-    """Return the constant K_n of the law Q = K_n delta^1.5 of a ball between both races [N/mm^1.5] (Smith 1994, eq. 2.7).
-
-    K_n is (K_i^-e + K_o^-e)^-1.5 with the exponent e = 0.66666 of Smith's spreadsheet in place of 2/3. ``inner``,
-    ``outer``: constants K_i and K_o of the inner and the outer race [N/mm^1.5].
-    """
-    return float((inner**-SHEET_EXPONENT + outer**-SHEET_EXPONENT) ** -1.5)
-
-
 @dataclass(frozen=True)
 class SmithSpreadsheetValues:
     """Values in the cells of Smith's spreadsheet for a ball bearing (figure 2-10); pairs are for (inner, outer) race."""
@@ -142,12 +120,11 @@ def compute_smith_spreadsheet(
         outer = curvature_difference(four[1]) if outer_difference is None else outer_difference
         differences = (curvature_difference(four[0]), outer)
         inner, outer = (hertz_parameter_by_smith_polynomial(F, "approach") for F in differences)
-        race = load_constant_of_race(sums[0], inner), load_constant_of_race(sums[1], outer)
+        race = LOAD_CONSTANT * sums[0] ** -0.5 * inner**-1.5, LOAD_CONSTANT * sums[1] ** -0.5 * outer**-1.5
+        both = (race[0] ** -SHEET_EXPONENT + race[1] ** -SHEET_EXPONENT) ** -1.5
         moved = b * float(np.sin(angle - rest)) / float(np.cos(angle))
         q = load / (balls * float(np.sin(angle)))
-        return SmithSpreadsheetValues(
-            sums, differences, (inner, outer), race, load_constant_of_both_races(*race), angle, q, moved
-        )
+        return SmithSpreadsheetValues(sums, differences, (inner, outer), race, both, angle, q, moved)
 
     def ball_load_above_deflection_load(angle: float) -> float:
         """Return the ball load by equilibrium with the thrust less that by Hertz's law [N], for a contact angle [rad]."""

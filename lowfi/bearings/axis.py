@@ -28,9 +28,9 @@ The left side increases with u, as it is the derivative of a convex energy, so t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 
@@ -329,30 +329,6 @@ def reflected_inertia(mass: float, lead: float, efficiency: float = 1.0) -> floa
     return float(mass * (lead / (2.0 * np.pi)) ** 2 / efficiency)
 
 
-@dataclass(frozen=True)
-class DriveTorqueParts:
-    """Contributions to the drive torque of a ball-screw axis [N m]."""
-
-    #: Torque that balances the axial load on the ball screw [N m].
-    axial_load_torque: float
-    #: Friction torque of the nut [N m].
-    nut_friction: float
-    #: Friction torque of each support [N m].
-    support_friction: tuple[float, ...]
-    #: Torque that accelerates all moving parts [N m].
-    acceleration: float
-
-    @property
-    def constant_speed_torque(self) -> float:
-        """Drive torque at constant speed [N m] (Smith 1994, eq. 4.10)."""
-        return self.axial_load_torque + self.nut_friction + sum(self.support_friction)
-
-    @property
-    def accelerating_torque(self) -> float:
-        """Largest drive torque, which includes acceleration [N m] (Smith 1994, eq. 4.11)."""
-        return self.constant_speed_torque + self.acceleration
-
-
 def acceleration_torque(inertias: Sequence[float], speed: float, time: float) -> float:
     """Return the torque that a uniform acceleration from rest needs, sum(J) omega/t [N m].
 
@@ -455,24 +431,12 @@ class BearingRowsState:
         return float(self.row_stiffness.sum())
 
 
-def _evaluate_row_laws(bearings: BearingRows, displacement: float, law: Callable[[BearingRowLaw, float], float]) -> Array:
-    """Return load [N] or stiffness [N/m] of each bearing row at an axial displacement [m] that all inner rings share.
-
-    ``law``: method of `BearingRowLaw` that gives the load or the stiffness of a row at its deflection [m]. Equal rows with
-    the same deflection are evaluated once.
-    """
-    known, values = dict[tuple[int, float], float](), []
-    for row, s, g in zip(bearings.row_laws, bearings.directions, bearings.preload_deflections, strict=True):
-        at = id(row), s * displacement + g
-        if at not in known:
-            known[at] = law(row, at[1])
-        values.append(known[at])
-    return np.array(values)
-
-
-def _row_thrusts(bearings: BearingRows, displacement: float) -> Array:
-    """Return the thrust of each bearing row [N] at an axial displacement [m] that all inner rings share."""
-    return _evaluate_row_laws(bearings, displacement, lambda row, d: row.thrust(d))
+def _evaluate_row_laws(bearings: BearingRows, displacement: float, quantity: Literal["thrust", "stiffness"]) -> Array:
+    """Return a quantity of every row at an axial displacement [m] of the inner rings; equal rows are computed once."""
+    rows = zip(bearings.row_laws, bearings.directions, bearings.preload_deflections, strict=True)
+    at = [(row, s * displacement + g) for row, s, g in rows]
+    known = {(row, deflection): getattr(row, quantity)(deflection) for row, deflection in set(at)}
+    return np.array([known[row] for row in at])
 
 
 def state_of_bearing_rows(bearings: BearingRows, displacement: float) -> BearingRowsState:
@@ -480,8 +444,8 @@ def state_of_bearing_rows(bearings: BearingRows, displacement: float) -> Bearing
 
     ``displacement``: axial displacement u [m], in the positive direction of the rows.
     """
-    stiffness = _evaluate_row_laws(bearings, displacement, lambda row, d: row.stiffness(d))
-    return BearingRowsState(displacement, _row_thrusts(bearings, displacement), stiffness)
+    thrusts, stiffness = (_evaluate_row_laws(bearings, displacement, name) for name in ("thrust", "stiffness"))
+    return BearingRowsState(displacement, thrusts, stiffness)
 
 
 def solve_bearing_row_equilibrium(bearings: BearingRows, force: float = 0.0) -> BearingRowsState:
@@ -520,7 +484,7 @@ def solve_bearing_row_equilibrium(bearings: BearingRows, force: float = 0.0) -> 
 
     def thrust_sum_above_external(u: float) -> float:
         """Return the sum of the rows' forces on the shaft less the external thrust [N] at a displacement u [m]."""
-        return float(s @ _row_thrusts(bearings, u)) - force
+        return float(s @ _evaluate_row_laws(bearings, u, "thrust")) - force
 
     # bracket: one end where the rows of one direction are loose, the other where they carry the whole force
     step = max(max(abs(g) for g in bearings.preload_deflections), 1e-9)

@@ -4,8 +4,8 @@ The inner ring's axial and radial displacement compress the roller at azimuth ps
 
     delta = delta_a sin(alpha) + delta_r cos(alpha) cos(psi).                                                           (1)
 
-The equilibrium of the single rollers is that of `lowfi.statics.axis`. ``solve_by_smith_load_zone`` is Smith's method (1994,
-3.1-3.21) with load-zone integrals and a power law.
+The equilibrium of the single rollers is that of `lowfi.statics.axis`. The load-zone integrals are those of
+Smith's method (1994, 3.1-3.21), in which a power law gives the loads.
 
 Sjovall's integrals: a roller (or ball) at azimuth psi is compressed by delta_n [1 - (1 - cos psi)/(2 eps)], with the load
 zone parameter eps = (1 + (delta_a/delta_r) tan alpha)/2 (Smith 1994, 3.1-3.3). It carries the largest load times the n-th
@@ -161,55 +161,6 @@ def load_zone_under_thrust_and_radial_load(axial: float, radial: float, angle: f
 
     log_eps = brentq(logarithm_of_ratio_over_required, np.log(1e-8), np.log(exponent / ratio), xtol=1e-13)
     return load_zone_integrals(float(np.exp(log_eps)), exponent)
-
-
-#: Exponent n of the power law q ~ delta^n by which the load varies over the load zone (Smith 1994, eq. 3.15).
-EXPONENT = 1.1
-
-
-@dataclass(frozen=True)
-class LoadZoneSolution:
-    """Displacements and largest roller load of a bearing under thrust and radial load, by load-zone integrals."""
-
-    #: Axial displacement of the inner ring [m].
-    axial_displacement: float
-    #: Radial displacement of the inner ring [m].
-    radial_displacement: float
-    #: Contact load of the most heavily loaded roller, the same on inner and outer race [N].
-    largest_roller_load: float
-
-
-def solve_by_smith_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> LoadZoneSolution:
-    """Return displacements and largest roller load of a bearing by Smith's load-zone method.
-
-    The load is distributed over the rollers by a power law, load ~ deflection^1.1; the compression of the most loaded
-    roller then follows from the law of its line contact. The integrals over the load zone and the law of the line contact
-    are evaluated exactly. The result is exact for pure thrust. Otherwise its accuracy depends on the exponent and on the
-    number of rollers, taken as infinite.
-
-    Parameters
-    ----------
-    bearing
-        The bearing.
-    axial, radial
-        Thrust F_a and radial force F_r [N]; the radial force points at the first roller.
-
-    Raises
-    ------
-    ValueError
-        The thrust is too small, F_a <= F_r tan(alpha) with the half angle alpha of the cup, so that the rings separate, or
-        the radial load is negative.
-
-    References
-    ----------
-    Smith (1994), 3.14 to 3.21.
-    """
-    zone = load_zone_under_thrust_and_radial_load(axial, radial, bearing.cup_angle, EXPONENT)
-    greatest = axial / (bearing.rollers * np.sin(bearing.cup_angle) * zone.thrust_integral)
-    normal = float(bearing.approach_law().approach(greatest / bearing.length))
-    w = 0.5 / zone.eps
-    axial_displacement = float((1.0 - w) * normal / np.sin(bearing.cup_angle))
-    return LoadZoneSolution(axial_displacement, float(w * normal / np.cos(bearing.cup_angle)), float(greatest))
 
 
 #: Height of the rib contact above the race, over the roller's diameter, if the scene does not give it.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.tapered_row_oracle import solve_thrust_and_radial_equilibrium
 
-from rollbench.lowfi.bearings.angular_contact import BallBearing, BallBearingRow, bearing_with_contact_angle
+from rollbench.lowfi.bearings.angular_contact import BallBearing, bearing_with_contact_angle
 from rollbench.lowfi.bearings.axis import BearingRows, solve_bearing_row_equilibrium
 from rollbench.lowfi.rollers import TaperedBearing, TaperedRow
 
@@ -30,7 +30,7 @@ def taper(rng: np.random.Generator, scale: float = 1.0) -> TaperedBearing:
 def any_set(seed: int, scale: float = 1.0) -> tuple[BearingRows, float]:
     """Two to five rows, balls or rollers, facing both ways, and a load of the size of their preload."""
     rng = np.random.default_rng(seed)
-    make = (lambda: BallBearingRow(ball(rng, scale))) if seed % 2 else (lambda: TaperedRow(taper(rng, scale)))
+    make = (lambda: ball(rng, scale)) if seed % 2 else (lambda: TaperedRow(taper(rng, scale)))
     rows = [make() for _ in range(int(rng.integers(2, 6)))]
     directions = [1, -1, *(int(s) for s in rng.choice([1, -1], len(rows) - 2))]
     load = scale**2 * 10.0 ** rng.uniform(1.0, 4.0)

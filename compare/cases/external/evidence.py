@@ -195,7 +195,7 @@ def _bearing_of_catalogue_row(case: str, row: Sequence[float], conformity: float
 
 def _preloaded_bearing_pair(bearing: angular_contact.BallBearing, preload: float) -> axis.BearingRows:
     """Return a pair of opposed bearings, preloaded against each other by the axial force ``preload`` [N]."""
-    return axis.equal_rows_with_preload(angular_contact.BallBearingRow(bearing), (1, -1), preload)
+    return axis.equal_rows_with_preload(bearing, (1, -1), preload)
 
 
 @cache
@@ -206,7 +206,7 @@ def gmn_pair_rigidity(name: str, preload_class: str, conformity: float) -> float
     radius over ball diameter.
     """
     row = external_inputs()["gmn"]["rows"][name]
-    one = angular_contact.BallBearingRow(_bearing_of_catalogue_row("gmn", row, conformity))
+    one = _bearing_of_catalogue_row("gmn", row, conformity)
     return 2e-6 * one.stiffness(one.deflection(float(row[3 + CLASSES.index(preload_class)])))
 
 

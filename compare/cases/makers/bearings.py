@@ -197,15 +197,16 @@ def compare_nsk_ball_bearings() -> Iterator[outside.PublishedValue]:
     dynamic, static = (1e3 * column_values(key)[:, 0] for key in ("Cr_kN", "C0r_kN"))
     ratings = zip(dynamic, static, pitch, angle, strict=True)
     count, ball = np.array([ball_count_and_diameter_from_ratings(*of) for of in ratings]).T
-    usual = np.full(len(bearings), CONFORMITY)
-    begin = angular_contact.CatalogueBearings(np.round(count), ball, pitch, usual, angle, YOUNG, POISSON)
+    begin = angular_contact.bearing_with_contact_angle(
+        np.round(count), ball, pitch, (CONFORMITY,) * 2, angle, YOUNG, POISSON
+    )
     forces, rigid, load = column_values("preload_N"), column_values("rigidity_N_per_um"), column_values("measuring_load_N")
     step = np.array([makers.half_step_of_last_digit(rows[-1]["rigidity_N_per_um"]) for rows in bearings])
     moved, stiff = [], []
     for off in (0.0, step, -step):
         conformity = angular_contact.conformity_from_pair_rigidity(begin, forces[:, -1], 1e6 * (rigid[:, -1] + off))
         balls, balls_size, circle, groove, rest = (x[:, None] for x in (begin.balls, ball, pitch, conformity, angle))
-        each = angular_contact.CatalogueBearings(balls, balls_size, circle, groove, rest, YOUNG, POISSON)
+        each = angular_contact.bearing_with_contact_angle(balls, balls_size, circle, (groove,) * 2, rest, YOUNG, POISSON)
         state = angular_contact.bearing_states_under_thrust(each, np.column_stack([forces, load[:, -1]]))
         moved.append(1e6 * state.displacement)
         stiff.append(2e-6 * state.stiffness[:, :-1])
@@ -264,8 +265,9 @@ def compare_snfa_pair_rigidities() -> Iterator[outside.PublishedValue]:
 
     pitch, angle = [_mean_of_bore_and_outer_diameter(row) for row in source.rows], np.radians(column_values("angle_deg"))
     balls, size = column_values("balls"), column_values("ball_diameter_mm", 1e-3)
-    usual = np.full(len(pitch), CONFORMITY)
-    rows = angular_contact.CatalogueBearings(balls, size, np.array(pitch), usual, angle, YOUNG, POISSON)
+    rows = angular_contact.bearing_with_contact_angle(
+        balls, size, np.array(pitch), (CONFORMITY,) * 2, angle, YOUNG, POISSON
+    )
     stiff = 2e-7 * angular_contact.bearing_states_under_thrust(rows, column_values("preload_daN", 10.0)).stiffness
     for row, found in zip(source.rows, stiff, strict=True):
         item = f"{row['bearing']} {row['angle_deg']} deg {row['preload_class']}"

@@ -9,7 +9,7 @@ from rollbench.compare.models.registry import run_model
 from rollbench.compare.models.set_results import palmgren_load_torque
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.axis_file import preload_of_arrangement
-from rollbench.lowfi.bearings.angular_contact import BallBearingRow, bearing_with_contact_angle
+from rollbench.lowfi.bearings.angular_contact import BallBearing, bearing_with_contact_angle
 from rollbench.lowfi.bearings.axis import HertzPowerLawRow, equal_rows_with_gap, solve_bearing_row_equilibrium
 from rollbench.meshes.axis import ARRANGEMENTS, Assembly
 from rollbench.meshes.parts import Scene
@@ -24,12 +24,12 @@ def changed(*pairs: tuple[str, str]) -> Assembly:
     return found
 
 
-def row_of(found: Assembly) -> BallBearingRow:
+def row_of(found: Assembly) -> BallBearing:
     parts = found.sets[0].parts
     assert isinstance(parts, Scene)
     ball, steel = 2.0 * parts.balls.radius, parts.nut.material
     size = (ball, 2.0 * parts.track.pitch_radius, (parts.nut.groove_radius / ball,) * 2, parts.track.contact_angle)
-    return BallBearingRow(bearing_with_contact_angle(parts.ball_count, *size, steel.youngs_modulus, steel.poissons_ratio))
+    return bearing_with_contact_angle(parts.ball_count, *size, steel.youngs_modulus, steel.poissons_ratio)
 
 
 @pytest.mark.parametrize("name", [name for name in ARRANGEMENTS if name != "DT"])

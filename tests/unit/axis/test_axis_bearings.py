@@ -40,7 +40,7 @@ def ball_bearing():
 
 @pytest.mark.parametrize("pattern", ["+-", "++-", "-+", "+--"])
 def test_rows_share_thrust_as_their_laws_say(pattern):
-    row, gap = angular_contact.BallBearingRow(ball_bearing()), 6e-6
+    row, gap = ball_bearing(), 6e-6
     signs = [1 if way == "+" else -1 for way in pattern]
     sets = [bearing(f"row {i}", 0.03 + 0.02 * i, f"{pattern[i]}z", offset=-s * gap) for i, s in enumerate(signs)]
     for thrust in (0.0, 500.0, -500.0, 4000.0):

@@ -17,7 +17,7 @@ def bearing(angle: float = 57.0, conformity: tuple[float, float] = (0.52, 0.53))
 
 
 def under_thrust(b: angular_contact.BallBearing, load: float) -> angular_contact.BallBearingThrustState:
-    return at_displacement(b, angular_contact.displacement_under_thrust(b, load))
+    return at_displacement(b, b.deflection(load))
 
 
 @pytest.mark.parametrize("angle", [0.0, 15.0, 25.0, 40.0, 60.0, 90.0])
@@ -122,7 +122,7 @@ def test_faulty_bearings_are_refused(change, words):
 def test_faulty_loads_are_refused():
     for load, words in ((-1.0, "at least 0 N"), (1e12, "too large for Hertz")):
         with pytest.raises(ValueError, match=words):
-            angular_contact.displacement_under_thrust(bearing(), load)
+            bearing().deflection(load)
     for difference in (-0.1, 1.0):
         with pytest.raises(ValueError, match="curvature difference"):
             angular_contact.dimensionless_hertz_parameters(difference)
@@ -132,17 +132,22 @@ def test_many_bearings_under_given_loads_and_back_from_their_rigidity() -> None:
     """Arrays of bearings are single ones, a state under a load is that of its displacement, the conformity comes back."""
     angle = np.radians([15.0, 25.0, 40.0])
     sizes = [12.0, 15.0, 16.0], [4.8e-3, 8e-3, 22.23e-3], [24e-3, 54e-3, 125e-3], [0.515, 0.52, 0.5232]
-    many = angular_contact.CatalogueBearings(*map(np.array, sizes), angle, *STEEL)
+    balls, ball, pitch, conformity = map(np.array, sizes)
+    make = angular_contact.bearing_with_contact_angle
+    many = make(balls, ball, pitch, (conformity, conformity), angle, *STEEL)
     load = np.array([50.0, 300.0, 5000.0])
     state = angular_contact.bearing_states_under_thrust(many, load)
     assert state.thrust == pytest.approx(load, rel=1e-9)
     for k in range(3):
-        size = (float(many.ball_diameter[k]), float(many.pitch_diameter[k]), (float(many.conformity[k]),) * 2)
-        alone = angular_contact.bearing_with_contact_angle(int(many.balls[k]), *size, float(angle[k]), *STEEL)
-        displacement = angular_contact.displacement_under_thrust(alone, float(load[k]))
+        size = float(ball[k]), float(pitch[k]), (float(conformity[k]),) * 2
+        alone = make(int(balls[k]), *size, float(angle[k]), *STEEL)
+        displacement = alone.deflection(float(load[k]))
         assert float(state.displacement[k]) == pytest.approx(displacement, rel=1e-9)
-    begin, conformity_of = replace(many, conformity=np.full(3, 0.54)), angular_contact.conformity_from_pair_rigidity
-    assert conformity_of(begin, load, 2.0 * state.stiffness) == pytest.approx(many.conformity, rel=1e-7)
+    begin, conformity_of = (
+        make(balls, ball, pitch, (0.54, 0.54), angle, *STEEL),
+        angular_contact.conformity_from_pair_rigidity,
+    )
+    assert conformity_of(begin, load, 2.0 * state.stiffness) == pytest.approx(conformity, rel=1e-7)
     with pytest.raises(ValueError, match="no groove conformity between"):
         conformity_of(begin, load, 20.0 * state.stiffness)
     with pytest.raises(ValueError, match="too large for Hertz contact"):

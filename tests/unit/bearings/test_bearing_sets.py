@@ -9,7 +9,7 @@ from rollbench.lowfi.bearings import angular_contact, axis
 
 SIZES = ((18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(57.0)), (14, 7e-3, 45e-3, (0.53, 0.53), np.radians(40.0)))
 BEARINGS = [angular_contact.bearing_with_contact_angle(*size, 207e9, 0.3) for size in SIZES]
-ROW, OTHER = map(angular_contact.BallBearingRow, BEARINGS)
+ROW, OTHER = BEARINGS
 TRIPLEX = (1, 1, -1)
 solve = axis.solve_bearing_row_equilibrium
 

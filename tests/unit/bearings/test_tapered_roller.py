@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.special import beta, gamma
-from tests.tapered_row_oracle import roller_azimuths, solve_thrust_and_radial_equilibrium, strain_energy_and_derivatives
+from tests.tapered_row_oracle import (
+    roller_azimuths,
+    solve_by_smith_load_zone,
+    solve_thrust_and_radial_equilibrium,
+    strain_energy_and_derivatives,
+)
 
 from rollbench.lowfi import rollers
 from rollbench.lowfi.bearings import as_printed, tapered_roller
@@ -130,7 +135,7 @@ def test_combined_stiffness_and_force_are_derivatives():
 
 
 def test_pure_thrust_is_the_row():
-    s, zone = solve_thrust_and_radial_equilibrium(B, THRUST, 0.0), tapered_roller.solve_by_smith_load_zone(B, THRUST, 0.0)
+    s, zone = solve_thrust_and_radial_equilibrium(B, THRUST, 0.0), solve_by_smith_load_zone(B, THRUST, 0.0)
     assert s.axial_displacement == pytest.approx(ROW.deflection(THRUST), rel=1e-10)
     assert s.radial_displacement == pytest.approx(0.0, abs=1e-15)
     assert zone.axial_displacement == pytest.approx(s.axial_displacement, rel=1e-12)
@@ -141,7 +146,7 @@ def test_pure_thrust_is_the_row():
 def test_load_zone_integrals_meet_the_rollers(radial, count):
     """The source's route with exponent 1.1: greatest load within 1 %, deflections within 3 %, for many rollers too."""
     b = replace(B, rollers=count)
-    s, z = (f(b, THRUST, radial) for f in (solve_thrust_and_radial_equilibrium, tapered_roller.solve_by_smith_load_zone))
+    s, z = (f(b, THRUST, radial) for f in (solve_thrust_and_radial_equilibrium, solve_by_smith_load_zone))
     assert z.largest_roller_load == pytest.approx(s.roller_loads.max(), rel=0.01)
     assert z.axial_displacement == pytest.approx(s.axial_displacement, rel=0.03)
     assert z.radial_displacement == pytest.approx(s.radial_displacement, rel=0.03)

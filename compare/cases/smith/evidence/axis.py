@@ -21,7 +21,6 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.bearings import as_printed, axis
-from rollbench.lowfi.bearings.angular_contact import BallBearingRow
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.units import parse_quantity
@@ -50,7 +49,7 @@ class SupportBearingLayout:
         directions = self.left_row_directions if end == "left" else self.right_row_directions
         if directions == bearings.DIRECTIONS[self.bearing_kind][end]:
             return bearings.bearing_rows_at_end(self.bearing_kind, end)
-        return axis.equal_rows_with_gap(BallBearingRow(bearings.smith_ball_bearing()), directions, 0.0)
+        return axis.equal_rows_with_gap(bearings.smith_ball_bearing(), directions, 0.0)
 
 
 TRIPLEX = SupportBearingLayout("smith-axis", "triplex, fixed-fixed", "ball", *bearings.DIRECTIONS["ball"].values())
@@ -377,9 +376,9 @@ def section_4_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
         ends = (count * torque,) * 2
         ours = count * sum(bearings.torque_of_ball_bearing_row()) if kind == "ball" else None
         screw, nut, start = (findings.printed(key) for key in ("screw", "nut", "acceleration"))
-        budget = axis.DriveTorqueParts(screw, nut, ends, start)
+        constant = screw + nut + sum(ends)
         findings.add_number(f"bearings_{kind}", ours, follows=ends[0])
-        sums = {"constant": budget.constant_speed_torque, "start": budget.accelerating_torque}
+        sums = {"constant": constant, "start": constant + start}
         findings.follow({f"{when}_{kind}": total for when, total in sums.items()})
 
 

@@ -108,7 +108,7 @@ def bearing_rows_at_end(kind: str, end: str, preload: float = PRELOAD) -> axis.B
     """
     directions = DIRECTIONS[kind][end]
     if kind == "ball":
-        row = angular_contact.BallBearingRow(smith_ball_bearing())
+        row = smith_ball_bearing()
         return axis.equal_rows_with_gap(row, directions, row.deflection(preload))
     return axis.equal_rows_with_preload(rollers.TaperedRow(smith_tapered_bearing()), directions, preload)
 
@@ -137,9 +137,7 @@ NEARLY_LINE = (1.0 - 1e-4, 1.0 - 1e-7, 1.0 - 1e-10)
 @cache
 def ball_bearing_state(load: float) -> angular_contact.BallBearingThrustState:
     """Return contact angle, ball load and stiffness of the ball bearing under a thrust [N], by exact elliptic integrals."""
-    return angular_contact.bearing_state_at_displacement(
-        smith_ball_bearing(), angular_contact.displacement_under_thrust(smith_ball_bearing(), load)
-    )
+    return angular_contact.bearing_state_at_displacement(smith_ball_bearing(), smith_ball_bearing().deflection(load))
 
 
 @cache
