@@ -8,16 +8,17 @@ from __future__ import annotations
 
 import codecs
 import io
+import json
 import os
 import shlex
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rollbench.compare.errors import InputError
 from rollbench.meshes.files import create_folder_for_group, make_readable_for_group, temporary_path
@@ -25,6 +26,8 @@ from rollbench.meshes.libraries import pip_command, reason_of_failed_import
 
 if TYPE_CHECKING:
     from rollbench.reports.content import Figure
+
+T = TypeVar("T")
 
 
 def shipped_path(path: str) -> Path:
@@ -158,6 +161,18 @@ def write_new_file(path: Path, text: str) -> None:
             os.link(name, path)
     finally:
         os.unlink(name)
+
+
+def read_from_first_valid_folder(stores: Sequence[Path], file_name: str, build_object: Callable[[Any], T]) -> T | None:
+    """Read an object from a JSON file in the first folder that has a valid file; None if no folder has one.
+
+    ``stores``: folders in the order in which they are tried; ``file_name``: name of the file; ``build_object``: function
+    that builds the object from the file's JSON values, and raises ValueError, KeyError or TypeError if they are not valid.
+    """
+    for store in stores:
+        with suppress(OSError, ValueError, KeyError, TypeError):
+            return build_object(json.loads((store / file_name).read_text(encoding="utf-8")))
+    return None
 
 
 #: Complete temporary files with the files that they will replace, inside `written_together`; None outside.

@@ -276,12 +276,12 @@ def compare_rolling_and_report(
     ``levels``: levels of the 3D model's grids; None: all. ``store``: folder of its stored runs. ``engine``: computes
     missing runs. ``fresh``: compute stored runs again. ``bodies``: "half-space", or "finite" for bodies of finite size.
     """
-    from rollbench.compare.studies.rolling.rows import rolling_comparison, row_with_none_for_infinity
+    from rollbench.compare.studies.rolling.rows import rolling_comparison
 
     rows = rolling_comparison(scenes, levels, store, engine, fresh=fresh, bodies=bodies)
     shown = dict.fromkeys(row.scene for row in rows)
     tables = (rolling_comparison_table(name, [row for row in rows if row.scene == name]) for name in shown)
-    return printing.CommandOutput({"rows": [row_with_none_for_infinity(row.as_json()) for row in rows]}, tables)
+    return printing.CommandOutput({"rows": [row.as_json() for row in rows]}, tables)
 
 
 #: Scenes for which only friction is computed and which have a 3D reference, as words of a message.
@@ -460,14 +460,13 @@ def rolling_comparison_table(name: str, rows: Sequence[RollingComparisonRow]) ->
 
     ``name``: name of the scene. ``rows``: for each quantity, its values by all models.
     """
-    from rollbench.compare.studies.rolling.rows import UNSTATED, row_with_none_for_infinity
+    from rollbench.compare.studies.rolling.rows import UNSTATED
 
     state = f" ({rows[0].load_state} load state{UNSTATED})" if rows[0].load_state else ""
     title = f"{name}{state}: low-order model against the 3D model of rolling"
-    known = [row_with_none_for_infinity({key: getattr(r, key) for key, *_ in ROLLING_COLUMNS}) for r in rows]
     cells = (
         [f"{r.quantity} [{r.unit}]", *(printing.format_cell(x[key], form) for key, _, form in ROLLING_COLUMNS)]
-        for r, x in zip(rows, known, strict=True)
+        for r, x in ((r, r.as_json()) for r in rows)
     )
     table = printing.ruled_table(title, ["quantity", *(heading for _, heading, _ in ROLLING_COLUMNS)], cells, ["quantity"])
     table.caption = f"time of the low-order model: {1e3 * rows[0].low_seconds:.2f} ms"

@@ -176,7 +176,7 @@ def model_time_jobs(cache: SceneResultCache, scene_names: Sequence[str]) -> dict
     """
 
     def time_model(name: str, model: Model, bodies: Path | None) -> RunTime:
-        cold = time_model_in_new_process(name, model.name, condensed=bodies, repeats=1)
+        cold = time_model_in_new_process(name, model.name, bodies)
         options = ModelOptions(estimate_beam_mesh_error=False, condensed_bodies_file=bodies)
         return replace(cold, warm=further_solution_seconds(model, cache.built_in_scene(name), options))
 

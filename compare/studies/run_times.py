@@ -11,23 +11,22 @@ and the processor times of cold set-ups (measured by ``tests/set_up_costs.py``).
 from __future__ import annotations
 
 import datetime
-import gc
 import json
 import os
 import subprocess
 import sys
 import tempfile
 import threading
+import timeit
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from statistics import median
 from time import perf_counter, time
-from typing import Any, TypeVar
+from typing import Any
 
-from rollbench.compare.files import replace_file
+from rollbench.compare.files import read_from_first_valid_folder, replace_file
 from rollbench.compare.reference.store import UNMEASURED, MeasuringConditions, shows_times_of
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.compare.studies.members.ensemble import solve_random_draws
@@ -53,24 +52,6 @@ class RunTimeRow:
     error_percent: float | None = None
     #: Remark on how the time was measured.
     note: str = ""
-
-
-def median_seconds(function: Callable[[], object], repeats: int) -> float:
-    """Return the median wall-clock time of ``function`` over ``repeats`` runs [s], after one run that is not counted.
-
-    Python's garbage collector is switched off during the runs.
-    """
-    seconds = []
-    gc.collect()
-    gc.disable()
-    try:
-        for _ in range(repeats + 1):
-            begin = perf_counter()
-            function()
-            seconds.append(perf_counter() - begin)
-    finally:
-        gc.enable()
-    return median(seconds[1:])
 
 
 def environment_for_timed_process(extra: dict[str, str]) -> dict[str, str]:
@@ -128,39 +109,11 @@ def _child_cpu_seconds_since(start: os.times_result) -> float:
 #: Longest time to wait for a process [s].
 PATIENCE = 1200.0
 
-#: Number of solutions, the fastest of which gives the warm time.
+#: Number of further calls, the fastest of which gives the warm time.
 REPEATS = 5
 
-#: Program that times a model on a scene: its first solution and further ones.
+#: Program that times a call: the first time with its imports, then repeatedly; it tells values of what the call returned.
 CHILD = """
-import sys
-sys.path[:] = {path!r}
-from time import perf_counter, time
-from pathlib import Path
-from rollbench.meshes.processes import limit_to_one_thread
-limit_to_one_thread()
-import json
-from rollbench.compare.scenes import catalogue
-from rollbench.meshes.processes import peak_memory_MB
-from rollbench.compare.models.model import ModelOptions
-from rollbench.compare.models.registry import run_model
-ask = json.loads({ask!r})
-scene = catalogue.scene(ask["scene"])
-path = Path(ask["condensed"]) if ask["condensed"] else None
-options = ModelOptions(estimate_beam_mesh_error=False, condensed_bodies_file=path)
-spent = []
-for _ in range(1 + ask["repeats"]):
-    start = perf_counter()
-    run_model(scene, ask["model"], options)
-    spent.append(perf_counter() - start)
-    if len(spent) == 1:
-        done, memory = time(), peak_memory_MB()
-print(json.dumps({{"done": done, "warm": min(spent[1:]), "memory": memory}}))
-"""
-
-
-#: Program that times a call: the first time with its imports, then repeatedly.
-CALL_CHILD = """
 import sys
 sys.path[:] = {path!r}
 from time import perf_counter, time
@@ -174,32 +127,36 @@ call = compile(ask["call"], "call", "eval")
 spent = []
 for _ in range(1 + ask["repeats"]):
     start = perf_counter()
-    eval(call, space)
+    space["found"] = eval(call, space)
     spent.append(perf_counter() - start)
     if len(spent) == 1:
         done, memory = time(), peak_memory_MB()
-print(json.dumps({{"done": done, "warm": min(spent[1:]), "memory": memory}}))
+told = eval(ask["told"], space)
+print(json.dumps({{"done": done, "warm": min(spent[1:], default=None), "memory": memory, **told}}))
 """
 
+#: Imports and call that solve a scene by a low-order model.
+MODEL = (
+    "from pathlib import Path\n"
+    "from rollbench.compare.scenes import catalogue\n"
+    "from rollbench.compare.models.model import ModelOptions\n"
+    "from rollbench.compare.models.registry import run_model\n"
+    "scene = catalogue.scene({scene!r})\n"
+    "options = ModelOptions(estimate_beam_mesh_error=False, condensed_bodies_file={bodies})\n",
+    "run_model(scene, {model!r}, options)",
+)
 
-#: Program that times a mesh level of the 3D reference as `compare` computes it, without stored meshes and runs.
-LEVEL_CHILD = """
-import sys
-sys.path[:] = {path!r}
-from time import time
-from rollbench.meshes.processes import limit_to_one_thread
-limit_to_one_thread()
-import json
-from rollbench.compare.reference.computing import compute_reference_runs
-from rollbench.compare.reference.tasks import ReferenceTask
-from rollbench.compare.scenes import catalogue
-from rollbench.compare.running import usable_cores
-ask = json.loads({ask!r})
-(run,) = compute_reference_runs(ReferenceTask((catalogue.scene(ask["scene"]),), ask["level"], processes=usable_cores()))
-contacts = int((run.load > 0.0).sum())
-own = {{"memory": run.peak_MB, "status": run.status, "contacts": contacts, "load_case": run.solve_seconds}}
-print(json.dumps({{"done": time(), "stages": run.stages, **own}}))
-"""
+#: Imports and call that compute a mesh level of the 3D reference as `compare` does, without stored meshes and runs; values
+#: of the run that are told.
+LEVEL = (
+    "from rollbench.compare.reference.computing import compute_reference_runs\n"
+    "from rollbench.compare.reference.tasks import ReferenceTask\n"
+    "from rollbench.compare.scenes import catalogue\n"
+    "from rollbench.compare.running import usable_cores\n",
+    "compute_reference_runs(ReferenceTask((catalogue.scene({scene!r}),), {level}, processes=usable_cores()))[0]",
+    "dict(memory=found.peak_MB, status=found.status, contacts=int((found.load > 0.0).sum()), "
+    "load_case=found.solve_seconds, stages=found.stages)",
+)
 
 
 @dataclass(frozen=True)
@@ -229,27 +186,25 @@ class ColdLevelTime:
     stages: dict[str, float] | None = None
 
 
-def time_model_in_new_process(scene: str, model: str, *, condensed: Path | None = None, repeats: int = REPEATS) -> RunTime:
+def time_model_in_new_process(scene: str, model: str, condensed: Path | None) -> RunTime:
     """Time a low-order model on a scene of the package, in a new process with empty caches.
 
     ``scene`` and ``model``: their names; ``condensed``: file of condensed stiffness matrices that the model reads, None for
-    a model without; ``repeats``: number of further solutions, the fastest of which gives the warm time. Raises RuntimeError
-    if the process fails.
+    a model without. Raises RuntimeError if the process fails.
     """
-    path = str(condensed.resolve()) if condensed else ""
-    ask = {"scene": scene, "model": model, "repeats": repeats, "condensed": path}
-    begin, printed = _run_with_empty_caches(CHILD, ask, f"{model} on {scene}")
-    return RunTime(printed["done"] - begin, printed["warm"], printed["memory"])
+    bodies = f"Path({str(condensed.resolve())!r})" if condensed else None
+    imports, call = (code.format(scene=scene, model=model, bodies=bodies) for code in MODEL)
+    return time_call_in_new_process(imports, call, f"{model} on {scene}", 1)
 
 
 def time_call_in_new_process(imports: str, call: str, label: str, repeats: int = REPEATS) -> RunTime:
     """Time a Python call and its repetitions in a new process with empty caches.
 
     ``imports``: Python statements that are executed before the call and count as part of the cold time; ``call``: Python
-    expression that is timed; ``label``: name of the call in the error message; ``repeats``: number of further calls. Raises
-    RuntimeError if the process fails.
+    expression that is timed; ``label``: name of the call in the error message; ``repeats``: number of further calls, the
+    fastest of which gives the warm time. Raises RuntimeError if the process fails.
     """
-    begin, printed = _run_with_empty_caches(CALL_CHILD, {"imports": imports, "call": call, "repeats": repeats}, label)
+    begin, printed = _run_with_empty_caches(label, imports=imports, call=call, repeats=repeats, told="{}")
     return RunTime(printed["done"] - begin, printed["warm"], printed["memory"])
 
 
@@ -258,21 +213,21 @@ def time_mesh_level_in_new_process(scene: str, level: int) -> ColdLevelTime:
 
     ``scene``: name of a scene of the package; ``level``: mesh level. Raises RuntimeError if the process fails.
     """
-    before = os.times()
-    begin, printed = _run_with_empty_caches(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}")
-    cpu = _child_cpu_seconds_since(before)
-    known = {name: printed[name] for name in ("contacts", "load_case", "stages")}
-    return ColdLevelTime(level, printed["done"] - begin, cpu, printed["memory"], printed["status"], scene, **known)
+    before, (imports, call, told) = os.times(), LEVEL
+    code = call.format(scene=scene, level=level)
+    begin, found = _run_with_empty_caches(f"level {level} of {scene}", imports=imports, call=code, repeats=0, told=told)
+    known = {name: found[name] for name in ("memory", "status", "contacts", "load_case", "stages")}
+    return ColdLevelTime(level, found["done"] - begin, _child_cpu_seconds_since(before), scene=scene, **known)
 
 
-def _run_with_empty_caches(program: str, arguments: dict[str, Any], label: str) -> tuple[float, dict[str, Any]]:
-    """Run a Python program in a new process with empty caches; return when it started [s] and the JSON values it printed.
+def _run_with_empty_caches(label: str, **asked: Any) -> tuple[float, dict[str, Any]]:
+    """Run the program `CHILD` in a new process with empty caches; return when it started [s] and the JSON values it printed.
 
-    ``program``: text of the Python program, such as `CHILD`; ``arguments``: arguments of the program by name; ``label``:
-    name of the measurement in the message of the RuntimeError that is raised if the process fails.
+    ``label``: name of the measurement in the message of the RuntimeError that is raised if the process fails; ``asked``:
+    what the program reads.
     """
     with tempfile.TemporaryDirectory() as folder:
-        code = program.format(path=[p for p in sys.path if p], ask=json.dumps(arguments))
+        code = CHILD.format(path=[p for p in sys.path if p], ask=json.dumps(asked))
         begin = time()
         command, env = [sys.executable, "-I", "-c", code], environment_for_timed_process({"ROLLBENCH_CACHE": folder})
         process = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE, env=env)
@@ -284,8 +239,6 @@ def _run_with_empty_caches(program: str, arguments: dict[str, Any], label: str) 
 
 #: Names of files in a store.
 RUN_TIMES, SET_UP_COSTS = "run_times.json", "set_up_costs.json"
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -392,30 +345,39 @@ def utc_date_today() -> str:
     return datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d")
 
 
-def read_from_first_valid_folder(stores: Sequence[Path], file_name: str, build_object: Callable[[Any], T]) -> T | None:
-    """Read an object from a JSON file in the first folder that has a valid file; None if no folder has one.
+def save_times(path: Path, conditions: MeasuringConditions, date: str, **lists: Sequence[Mapping[str, Any]]) -> None:
+    """Write measured times to a JSON file, a line for each; InputError if the file cannot be written.
 
-    ``stores``: folders in the order in which they are tried; ``file_name``: name of the file; ``build_object``: function
-    that builds the object from the file's JSON values, and raises ValueError, KeyError or TypeError if they are not valid.
+    ``conditions`` and ``date``: those of the measurement; ``lists``: rows of times by the name of their list.
     """
-    for store in stores:
-        with suppress(OSError, ValueError, KeyError, TypeError):
-            return build_object(json.loads((store / file_name).read_text(encoding="utf-8")))
-    return None
+    head = json.dumps({**asdict(conditions), "date": date})
+    texts = {name: ",\n".join(json.dumps(row, separators=(",", ":")) for row in rows) for name, rows in lists.items()}
+    body = ", ".join(f'"{name}": [\n{text}\n]' for name, text in texts.items())
+    replace_file(path, f"{head[:-1]}, {body}}}\n")
+
+
+def measuring_conditions_from_json(data: Mapping[str, Any]) -> MeasuringConditions:
+    """Return the conditions of a measurement from the JSON values of its file."""
+    return MeasuringConditions(data.get("version", ""), data.get("sources", ""), data["machine"])
 
 
 def save_run_times(store: Path, run_times: StoredRunTimes) -> None:
     """Write run times to a JSON file in the folder ``store``; InputError if the file cannot be written."""
-    times = sorted(run_times.times_by_scene_and_model.items())
-    lists = {
-        "times": [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in times],
-        "levels": [asdict(c) for c in run_times.mesh_level_times],
-        "typed": [asdict(c) for c in run_times.command_times],
-    }
-    head = json.dumps({**asdict(run_times.measuring_conditions), "date": run_times.date})
-    texts = {name: ",\n ".join(map(json.dumps, rows)) for name, rows in lists.items()}  # a line for each row
-    body = ", ".join(f'"{name}": [\n {text}]' for name, text in texts.items())
-    replace_file(store / RUN_TIMES, f"{head[:-1]}, {body}}}\n")
+    save_times(
+        store / RUN_TIMES,
+        run_times.measuring_conditions,
+        run_times.date,
+        times=[{"scene": s, "model": m, **asdict(t)} for (s, m), t in sorted(run_times.times_by_scene_and_model.items())],
+        levels=[asdict(c) for c in run_times.mesh_level_times],
+        typed=[asdict(c) for c in run_times.command_times],
+    )
+
+
+def _of_this_version(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the JSON values of a file with times; ValueError if they are of another version."""
+    if not shows_times_of(data.get("version", "")):
+        raise ValueError(UNMEASURED)
+    return data
 
 
 def load_run_times(stores: Sequence[Path]) -> StoredRunTimes | None:
@@ -426,13 +388,12 @@ def load_run_times(stores: Sequence[Path]) -> StoredRunTimes | None:
 
     def run_times_from_json(data: dict[str, Any]) -> StoredRunTimes:
         """Return run times from the JSON values of their file; ValueError if they are of another version."""
-        if not shows_times_of(data.get("version", "")):
-            raise ValueError(UNMEASURED)
+        conditions = measuring_conditions_from_json(_of_this_version(data))
         times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
         levels = tuple(ColdLevelTime(**r) for r in data.get("levels", []))
-        measured = MeasuringConditions(data.get("version", ""), data.get("sources", ""), data["machine"])
-        commands = tuple(CommandTime(**r) for r in data.get("typed", []))
-        return StoredRunTimes(measured, data["date"], times, levels, commands)
+        return StoredRunTimes(
+            conditions, data["date"], times, levels, tuple(CommandTime(**r) for r in data.get("typed", []))
+        )
 
     return read_from_first_valid_folder(stores, RUN_TIMES, run_times_from_json)
 
@@ -442,10 +403,9 @@ def load_set_up_costs(stores: Sequence[Path]) -> SetUpCosts | None:
 
     def set_up_costs_from_json(data: dict[str, Any]) -> SetUpCosts:
         """Return times of set-ups from the JSON values of their file; ValueError if they are of another version."""
-        if not shows_times_of(data.get("version", "")):
-            raise ValueError(UNMEASURED)
+        known = {name: _of_this_version(data)[name] for name in ("machine", "date", "version")}
         jobs, ways = [SetUpCost(**row) for row in data["jobs"]], [SetUpVariant(**row) for row in data["ways"]]
-        return SetUpCosts(data["machine"], data["date"], jobs, ways, data.get("version", ""))
+        return SetUpCosts(**known, jobs=jobs, ways=ways)
 
     return read_from_first_valid_folder(stores, SET_UP_COSTS, set_up_costs_from_json)
 
@@ -596,5 +556,5 @@ def time_ensemble() -> RunTimeRow:
 
     Each draw is the scene with one set of random geometric errors.
     """
-    seconds = median_seconds(partial(solve_random_draws, scene("lin-random"), MEMBERS), 3)
-    return RunTimeRow(f"{MEMBERS} members of lin-random", seconds, note="model lin")
+    _, *seconds = timeit.repeat(partial(solve_random_draws, scene("lin-random"), MEMBERS), number=1, repeat=4)
+    return RunTimeRow(f"{MEMBERS} members of lin-random", median(seconds), note="model lin")

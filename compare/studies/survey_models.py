@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, one_line
-from rollbench.compare.files import replace_file, shipped_path
+from rollbench.compare.files import read_from_first_valid_folder, replace_file, shipped_path
 from rollbench.compare.gate.user import loads_as_run_record
 from rollbench.compare.gate.verdict import LIMIT, ErrorLimits, judge_contact_loads
 from rollbench.compare.measure import error_percent, load_error
@@ -43,7 +43,7 @@ from rollbench.compare.results.base import JSON, TabularRecord, add_schema_versi
 from rollbench.compare.running import usable_cores
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import survey
-from rollbench.compare.studies.run_times import read_from_first_valid_folder, utc_date_today
+from rollbench.compare.studies.run_times import measuring_conditions_from_json, save_times, utc_date_today
 from rollbench.lowfi.statics.contacts import clear_nominal_caches
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.response import clear_compliance_caches
@@ -587,12 +587,10 @@ class TimedRun:
 
 @dataclass(frozen=True)
 class StoredTimedRuns:
-    """Timed solutions of random screws, with version, machine and date of the measurement."""
+    """Timed solutions of random screws, with version and machine of the measurement."""
 
     #: Program version, digest of the program's source files, and machine of the measurement.
     measuring_conditions: MeasuringConditions
-    #: Date of the last timed solution.
-    date: str
     #: Timed solutions, one for each screw and each model or mesh level.
     runs: Sequence[TimedRun]
 
@@ -689,32 +687,25 @@ def time_models_and_levels_on_screws(
     numbers = numbers_of_timed_screws()[:count]
     wanted = [(n, name) for name in TIMED for n in (numbers[:FINEST_COUNT] if name == TIMED[-1] else numbers)]
     jobs = [one for one in wanted if one not in done]
-    found = StoredTimedRuns(conditions, utc_date_today(), runs)
     engine = ComputingSettings(parallel_jobs=usable_cores())
     for _, run in solve_many(solve_and_time, dict(enumerate(jobs)), engine):
-        runs.append(run)
-        found = StoredTimedRuns(conditions, utc_date_today(), sorted(runs, key=lambda x: (x.number, TIMED.index(x.name))))
-        save_timed_runs(store, found)
+        runs = sorted([*runs, run], key=lambda x: (x.number, TIMED.index(x.name)))
+        save_timed_runs(store, StoredTimedRuns(conditions, runs))
         show_progress(f"[{len(runs)}/{len(wanted)}] drawn screw {run.number}, {run.name}: {run.seconds:.2g} s")
-    return found
+    return StoredTimedRuns(conditions, runs)
 
 
 def save_timed_runs(folder: Path, timed: StoredTimedRuns) -> None:
     """Write timed solutions of random screws to a JSON file in the folder ``folder``; InputError if that fails."""
-    head = json.dumps({**asdict(timed.measuring_conditions), "date": timed.date})
-    rows = ",\n".join(json.dumps(asdict(run), separators=(",", ":")) for run in timed.runs)
-    replace_file(folder / RUNS, f'{head[:-1]}, "runs": [\n{rows}\n]}}\n')
+    save_times(folder / RUNS, timed.measuring_conditions, utc_date_today(), runs=[asdict(run) for run in timed.runs])
 
 
 def load_timed_runs(stores: Sequence[Path]) -> StoredTimedRuns | None:
     """Read timed solutions of random screws from the first of the folders ``stores`` with a valid file; None: no file."""
 
-    def timed_runs_from_json(data: dict[str, object]) -> StoredTimedRuns:
+    def timed_runs_from_json(data: dict[str, Any]) -> StoredTimedRuns:
         """Return timed solutions of random screws from the JSON values of the file in which they are stored."""
-        measured = MeasuringConditions(str(data["version"]), str(data["sources"]), str(data["machine"]))
-        rows = data["runs"]
-        assert isinstance(rows, list)
-        return StoredTimedRuns(measured, str(data["date"]), [TimedRun(**row) for row in rows])
+        return StoredTimedRuns(measuring_conditions_from_json(data), [TimedRun(**row) for row in data["runs"]])
 
     return read_from_first_valid_folder(stores, RUNS, timed_runs_from_json)
 

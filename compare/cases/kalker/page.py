@@ -25,7 +25,6 @@ from rollbench.compare.studies.rolling.rows import (
     LIMIT,
     PAIRS,
     RINGS,
-    ChoiceEffect,
     RollingComparisonRow,
     RunFromRest,
     compare_scene_with_stored_runs,
@@ -38,8 +37,8 @@ from rollbench.compare.studies.rolling.runs import (
     LEVELS,
     NAMES,
     SOURCE_LEVEL,
+    BodyValues,
     RollingRun,
-    StoredBodyChoiceResults,
     find_body_variants,
     load_rolling_run,
 )
@@ -132,10 +131,10 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     series = runs_from_rest()
     step("slip and traction; finite bodies of other sizes")
     left = "Left out of a quick report." if cache.quick else "" if meshing else "Left out: gmsh cannot be loaded."
-    sizes = StoredBodyChoiceResults((), left) if left else find_body_variants(stores, fresh=cache.measures_run_times)
+    sizes = ({}, left) if left else find_body_variants(stores, fresh=cache.measures_run_times)
     patches = slip_and_traction_of_drawn_contacts()
     step("other grids, steps and paths")
-    changed = force_changes_by_numerical_choices(stores, series, sizes.variants)
+    changed = force_changes_by_numerical_choices(stores, series, sizes[0])
     missing = [name for name, rows in found.items() if not rows]
     items: list[Text | Table | Figure | PressureMap] = [
         Text(_introductory_paragraphs(found, proof)),
@@ -177,7 +176,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         Table.from_rows(
             "rolling-choices",
             "3D model of rolling contact: change of the ball-to-ball force with grid, time step and other settings",
-            [_numerical_choice_row(c) for c in changed],
+            changed,
             "Stated uncertainty: by coarser grids than the compared one; for finite bodies also by their mesh and size. "
             "Runs from rest are compared with steady rolling on the same grid.",
         ),
@@ -194,15 +193,15 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
 
 
 def _finite_body_results(
-    stores: Sequence[Path], sizes: StoredBodyChoiceResults, verified: Sequence[Verification]
+    stores: Sequence[Path], sizes: tuple[dict[str, BodyValues], str], verified: Sequence[Verification]
 ) -> list[Text | Table | Figure | PressureMap]:
     """Return text and tables that compare bodies of finite size with elastic half spaces in the 3D rolling model.
 
-    ``stores``: folders of the stored 3D results; ``sizes``: results of two touching balls by size and mesh of the bodies;
+    ``stores``: folders of the stored 3D results; ``sizes``: results of two touching balls by size and mesh of the bodies, and a sentence on their origin;
     ``verified``: verifications of the model.
     """
     found = {name: compare_scene_with_stored_runs(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
-    missing = [name for name, rows in found.items() if not rows]
+    missing, (variants, origin) = [name for name, rows in found.items() if not rows], sizes
     shown = [row for rows in found.values() for row in rows if row.half_space is not None]
     gated = [_change_by_finite_bodies_percent(row) for row in shown if row.quantity in ("force 1-2", "torque")]
     changes = [abs(change) for change in gated if change is not None]
@@ -237,8 +236,8 @@ def _finite_body_results(
         Table.from_rows(
             "rolling-body-sizes",
             "Two touching balls in 3D: results for several sizes and meshes of the bodies of finite size",
-            [{"body_sizes": v.choice} | {NAMED[name]: v.values[name] for name in NAMES} for v in sizes.variants],
-            f"The grid of the contacts is the same in all rows. {sizes.origin_sentence}",
+            [{"body_sizes": choice} | {NAMED[name]: values[name] for name in NAMES} for choice, values in variants.items()],
+            f"The grid of the contacts is the same in all rows. {origin}",
         ),
     ]
 
@@ -468,19 +467,6 @@ def _from_rest_row(run: RunFromRest) -> Row:
         "steady_ball_force": run.steady_force,
         "error_against_steady": error,
         "meeting_time": None if meet is None else 1e3 * meet,
-    }
-
-
-def _numerical_choice_row(effect: ChoiceEffect) -> Row:
-    """Return the table row of a numerical setting, such as the grid: change of the ball-to-ball force, its uncertainty."""
-    verdict = "within" if effect.is_within_uncertainty else "beyond"
-    return {
-        "scene": effect.scene,
-        "numerical_setting": effect.choice,
-        "setting_values": effect.tried_variants,
-        "largest_force_change": effect.change,
-        "stated_force_uncertainty": effect.uncertainty,
-        "change_within_uncertainty": verdict,
     }
 
 

@@ -7,7 +7,7 @@ computed and then stored.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache, partial
 from pathlib import Path
@@ -21,6 +21,7 @@ from rollbench.compare.gate.gate import GateCheck
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_entry
+from rollbench.compare.quantities import json_number
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.reference.levels import FINITE, HALF_SPACE
 from rollbench.compare.reference.store import shipped_store
@@ -31,6 +32,7 @@ from rollbench.compare.studies.rolling.cases import prepare_rolling_case, rollin
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, RollingSettings, compute_motion_from_rest, solve_rolling
 from rollbench.hifi.rolling.friction import PATH
 from rollbench.hifi.rolling.kinematics import RollingBalls
+from rollbench.reports.content import Row
 
 
 def solve_low_order(scene: FrictionScene) -> tuple[dict[str, float], float, str]:
@@ -125,8 +127,8 @@ class RollingComparisonRow:
     measured_with: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """Return all fields of this comparison as JSON values."""
-        return asdict(self)
+        """Return all fields of this comparison as JSON values; None for infinity."""
+        return {k: None if isinstance(v, float) and abs(v) == float("inf") else v for k, v in asdict(self).items()}
 
 
 def split_name_and_unit(name: str) -> tuple[str, str]:
@@ -330,30 +332,9 @@ PATHS = {"by threes": tuple(3.0**-k for k in range(14)), "two steps": (PATH[0], 
 FORCE = "force 1-2"
 
 
-@dataclass(frozen=True)
-class ChoiceEffect:
-    """Effect of one numerical setting of the 3D model of rolling (grid, time step, ...) on the ball-to-ball force."""
-
-    #: Name of the scene.
-    scene: str
-    #: Name of the numerical setting, such as "grid".
-    choice: str
-    #: Other values of the setting that were computed for comparison.
-    tried_variants: str
-    #: Largest change of the ball-to-ball force by one of these other values [%].
-    change: float
-    #: Uncertainty of the ball-to-ball force that is reported with the 3D model's results [%].
-    uncertainty: float
-
-    @property
-    def is_within_uncertainty(self) -> bool:
-        """Whether the change of the ball-to-ball force is at most the reported uncertainty of this force."""
-        return self.change <= self.uncertainty
-
-
 def force_changes_by_numerical_choices(
-    stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[rolling_runs.BodyChoiceResult]
-) -> tuple[ChoiceEffect, ...]:
+    stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Mapping[str, rolling_runs.BodyValues]
+) -> list[Row]:
     """Return how numerical settings of the 3D model of rolling change the ball-to-ball force of two scenes.
 
     Scenes without stored solutions are left out.
@@ -367,13 +348,13 @@ def force_changes_by_numerical_choices(
     sizes
         Results with other settings of the finite bodies; empty: their effect is left out.
     """
-    return tuple(one for name in rolling_runs.SCENES for one in _force_changes_in_scene(name, stores, series, sizes))
+    return [one for name in rolling_runs.SCENES for one in _force_changes_in_scene(name, stores, series, sizes)]
 
 
 def _force_changes_in_scene(
-    name: str, stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[rolling_runs.BodyChoiceResult]
-) -> Iterator[ChoiceEffect]:
-    """Yield how a scene's ball-to-ball force changes with finer grids and time steps, other bodies and smoother friction.
+    name: str, stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Mapping[str, rolling_runs.BodyValues]
+) -> Iterator[Row]:
+    """Yield table rows on how a scene's ball-to-ball force changes with finer grids and time steps, other bodies and smoother friction.
 
     ``name``: name of the scene; the other arguments are those of `force_changes_by_numerical_choices`.
     """
@@ -382,23 +363,35 @@ def _force_changes_in_scene(
     run = rolling_runs.load_rolling_run(scene, max(rolling_runs.LEVELS), stores)
     if run is None or half is None:
         return
+
+    def row(choice: str, tried: str, change: float, uncertainty: float) -> Row:
+        """Return the table row of a numerical setting: largest change of the force by other values, its uncertainty [%]."""
+        return {
+            "scene": name,
+            "numerical_setting": choice,
+            "setting_values": tried,
+            "largest_force_change": change,
+            "stated_force_uncertainty": uncertainty,
+            "change_within_uncertainty": "within" if change <= uncertainty else "beyond",
+        }
+
     key, case = f"{FORCE} N", prepare_rolling_case(scene, RollingSettings(rolling_runs.SHAPE)).touching
     near, elastic = (_solve_ball_to_ball_force(case, RollingSettings(BEYOND, share)) for share in (NEARLY_RIGID, 1.0))
     grid = _largest_error_percent([run.limit[key] + elastic - near], run.values[key])
-    yield ChoiceEffect(name, "grid", f"{BEYOND[0]} x {BEYOND[1]} cells beyond {run.shape[0]} x {run.shape[1]}", grid, half)
+    yield row("grid", f"{BEYOND[0]} x {BEYOND[1]} cells beyond {run.shape[0]} x {run.shape[1]}", grid, half)
     variants = rolling_runs.scenes_and_sizes_of_body_variants()
     finite_ones = [choice for choice, (scene_name, used) in variants.items() if scene_name == name and used is not None]
-    values = [v.values[key] for v in sizes if v.choice in finite_ones]
+    values = [sizes[choice][key] for choice in finite_ones if choice in sizes]
     if values and finite is not None:
         tried = f"{len(values) - 1} other sizes, cells, kernels, patches"
-        yield ChoiceEffect(name, "finite bodies", tried, _largest_error_percent(values[1:], values[0]), finite)
+        yield row("finite bodies", tried, _largest_error_percent(values[1:], values[0]), finite)
     if name == rolling_runs.LINEAR:
         tried = f"{', '.join(str(s.steps) for s in series)} steps from rest"
         ends = [s.force[-1] / s.steady_force if s.status == "converged" else np.nan for s in series]
-        yield ChoiceEffect(name, "time step", tried, _largest_error_percent(ends, 1.0), half)
+        yield row("time step", tried, _largest_error_percent(ends, 1.0), half)
     settings = RollingSettings(rolling_runs.SHAPE)
     first, *others = (_solve_ball_to_ball_force(case, settings, path) for path in (PATH, *PATHS.values()))
-    yield ChoiceEffect(name, "path of regularisation", ", ".join(PATHS), _largest_error_percent(others, first), half)
+    yield row("path of regularisation", ", ".join(PATHS), _largest_error_percent(others, first), half)
 
 
 def _solve_ball_to_ball_force(scene: RollingBalls, choices: RollingSettings, path: tuple[float, ...] = PATH) -> float:
@@ -481,32 +474,22 @@ def rolling_mesh_study(
         found = rolling_runs.find_or_compute_rolling_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
         grids = [run for run in found if run.level != rolling_runs.SOURCE_LEVEL]
         for key in found[-1].values:
-            share = row_with_none_for_infinity({"uncertainty": quantity_uncertainty(grids, key)})
-            out += [grid_study_row_of_quantity(scene.name, run, key) | share for run in found]
+            bar = json_number(quantity_uncertainty(grids, key))
+            out += [
+                {
+                    "scene": scene.name,
+                    "load_state": interpretation_of_contact_loads(scene.name),
+                    "quantity": key,
+                    "level": "source" if run.level == rolling_runs.SOURCE_LEVEL else str(run.level),
+                    "cells": f"{run.shape[0]} x {run.shape[1]}",
+                    "value": run.values[key],
+                    "grid_alone": run.elastic[key],
+                    "elasticity": run.elastic[key] - run.near_rigid[key],
+                    "rigid_limit": run.limit[key],
+                    "energy_lost_percent": 100.0 * run.upwind,
+                    "seconds": run.seconds,
+                    "uncertainty": bar,
+                }
+                for run in found
+            ]
     return out
-
-
-def row_with_none_for_infinity(row: dict[str, Any]) -> dict[str, Any]:
-    """Return a table row with None in place of infinite values."""
-    return {k: None if isinstance(v, float) and abs(v) == float("inf") else v for k, v in row.items()}
-
-
-def grid_study_row_of_quantity(name: str, run: rolling_runs.RollingRun, key: str) -> dict[str, Any]:
-    """Return a row of the mesh study: one quantity of rolling balls by the 3D model on one grid.
-
-    The row has the value, the limit for rigid bodies, and the effect of elasticity on this grid. ``name``: name of the
-    scene; ``run``: solution on the grid; ``key``: name of the quantity with its unit.
-    """
-    return {
-        "scene": name,
-        "load_state": interpretation_of_contact_loads(name),
-        "quantity": key,
-        "level": "source" if run.level == rolling_runs.SOURCE_LEVEL else str(run.level),
-        "cells": f"{run.shape[0]} x {run.shape[1]}",
-        "value": run.values[key],
-        "grid_alone": run.elastic[key],
-        "elasticity": run.elastic[key] - run.near_rigid[key],
-        "rigid_limit": run.limit[key],
-        "energy_lost_percent": 100.0 * run.upwind,
-        "seconds": run.seconds,
-    }

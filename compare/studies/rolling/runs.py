@@ -15,12 +15,12 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import lru_cache
 from pathlib import Path
 from time import process_time
+from typing import Any
 
 from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
-from rollbench.compare.files import replace_file
+from rollbench.compare.files import read_from_first_valid_folder, replace_file
 from rollbench.compare.measure import error_percent
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.reference.levels import FINITE, HALF_SPACE
@@ -307,15 +307,9 @@ SHAPE = (12, 16)
 NAMES = ("force 1-2 N", "loss apart mW", "loss touching mW", "increase %")
 
 
-@dataclass(frozen=True)
-class BodyChoiceResult:
-    """Forces and losses of rolling balls by the 3D model with one modelling assumption on the finite bodies changed."""
-
-    #: Description of the changed assumption, such as other sizes of the meshed bodies.
-    choice: str
-    #: Force between balls [N], friction losses with balls apart and touching [mW], and increase of the loss if balls touch
-    #: [%], by names such as "force 1-2 N".
-    values: dict[str, float]
+#: Results of rolling balls by a model of finite bodies: force between balls [N], friction losses with balls apart and
+#: touching [mW], and increase of the loss if balls touch [%], by names such as "force 1-2 N".
+BodyValues = dict[str, float]
 
 
 def scenes_and_sizes_of_body_variants() -> dict[str, tuple[str, Sizes | None]]:
@@ -341,7 +335,7 @@ def scenes_and_sizes_of_body_variants() -> dict[str, tuple[str, Sizes | None]]:
     }
 
 
-def compute_body_variant(choice: str) -> BodyChoiceResult:
+def compute_body_variant(choice: str) -> BodyValues:
     """Solve rolling balls by the 3D model with one of the compared models of finite bodies.
 
     ``choice``: a description of `scenes_and_sizes_of_body_variants`.
@@ -357,13 +351,7 @@ def compute_body_variant(choice: str) -> BodyChoiceResult:
     elastic, near = values
     rigid = (balls.solve_rigid_rolling(s, 2 * balls.FIRST, bodies=sizes) for s in systems)
     limit = forces_speeds_and_losses_by_name(case, *rigid)
-    return BodyChoiceResult(choice, {k: limit[k] + elastic[k] - near[k] for k in NAMES})
-
-
-@lru_cache(maxsize=1)
-def compute_body_variants() -> tuple[BodyChoiceResult, ...]:
-    """Solve rolling balls by the 3D model with each compared model of finite bodies; computed once in a process."""
-    return tuple(compute_body_variant(choice) for choice in scenes_and_sizes_of_body_variants())
+    return {k: limit[k] + elastic[k] - near[k] for k in NAMES}
 
 
 # --- stored variants of the finite bodies, whose computation takes half a minute
@@ -376,37 +364,36 @@ FILE = "body_sizes.json"
 LIVE = "3 x 3 cells in the contact zone instead of 4 x 4"
 
 
-@dataclass(frozen=True)
-class StoredBodyChoiceResults:
-    """Results of the compared models of finite bodies, with a sentence on whether they were stored or computed."""
-
-    #: Result of each compared model.
-    variants: tuple[BodyChoiceResult, ...]
-    #: Sentence on whether the results were stored or computed anew.
-    origin_sentence: str
-
-
 def body_variants_key() -> str:
     """Return a digest of all inputs, except names and remarks, that affect the stored results for finite bodies."""
     keys = (rolling_run_key(shipped_case(name, FrictionScene), 1, FINITE) for name in SCENES)
     return digest_of_values(*keys, scenes_and_sizes_of_body_variants())
 
 
-def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredBodyChoiceResults:
-    """Return the stored results of the compared models of finite bodies; compute and store them if inputs have changed.
+def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> tuple[dict[str, BodyValues], str]:
+    """Return the results of the compared models of finite bodies, and a sentence on whether they were stored or computed.
 
-    ``stores``: folders, the first of which takes new results; ``fresh``: whether stored results are computed again.
+    They are computed if inputs have changed. ``stores``: folders, the first of which takes new results; ``fresh``: whether
+    stored results are computed again, and stored.
     """
-    kept = None if fresh else _load_stored_body_variants(stores)
+    kept = None if fresh else read_from_first_valid_folder(stores, FILE, _body_variants_of_present_inputs)
     if kept is None:
-        found = compute_body_variants()
+        found = {choice: compute_body_variant(choice) for choice in scenes_and_sizes_of_body_variants()}
         if fresh:
-            rows = ",\n ".join(json.dumps(asdict(one)) for one in found)
+            rows = ",\n ".join(json.dumps({"choice": choice, "values": values}) for choice, values in found.items())
             replace_file(stores[0] / FILE, f'{{"key": "{body_variants_key()}", "variants": [\n {rows}]}}\n')
-        return StoredBodyChoiceResults(found, "Computed for this report.")
-    again, then = compute_body_variant(LIVE), next(one for one in kept if one.choice == LIVE)
-    off = max(abs(float(error_percent(again.values[name], value))) for name, value in then.values.items())
-    return StoredBodyChoiceResults(kept, f'Stored with the package; "{LIVE}" computed again differs by up to {off:.1g} %.')
+        return found, "Computed for this report."
+    again = compute_body_variant(LIVE)
+    off = max(abs(float(error_percent(again[name], value))) for name, value in kept[LIVE].items())
+    return kept, f'Stored with the package; "{LIVE}" computed again differs by up to {off:.1g} %.'
+
+
+def _body_variants_of_present_inputs(data: dict[str, Any]) -> dict[str, BodyValues]:
+    """Return the results of the compared models from the JSON values of their file; ValueError for results of other inputs."""
+    found = {row["choice"]: row["values"] for row in data["variants"]}
+    if data["key"] != body_variants_key() or LIVE not in found:
+        raise ValueError("results of other inputs")
+    return found
 
 
 def largest_change_by_body_choice(straight: bool) -> float:
@@ -421,19 +408,6 @@ def largest_change_by_body_choice(straight: bool) -> float:
     choices = [x for x, (name, sizes) in variants if (name == LINEAR) == straight and sizes is not None]
     first, *others = (values[choice] for choice in choices)
     return float(max(abs(other[name] / first[name] - 1.0) for other in others for name in NAMES[:3]))
-
-
-def _load_stored_body_variants(stores: Sequence[Path]) -> tuple[BodyChoiceResult, ...] | None:
-    """Return the compared models' results from the first folder that has them for the present inputs; else None."""
-    for store in stores:
-        try:
-            found = json.loads((store / FILE).read_text(encoding="utf-8"))
-            rows = tuple(BodyChoiceResult(**row) for row in found["variants"])
-        except (OSError, ValueError, KeyError, TypeError):
-            continue
-        if found["key"] == body_variants_key() and any(one.choice == LIVE for one in rows):
-            return rows
-    return None
 
 
 def find_or_compute_rolling_runs(

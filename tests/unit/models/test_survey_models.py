@@ -163,7 +163,7 @@ def test_a_model_is_timed_without_what_an_earlier_solution_left():
 def test_runs_of_the_same_sources_are_not_repeated(tmp_path):
     runs, mine = runs_of(survey_models.numbers_of_timed_screws()[0]), measuring_conditions()
     for conditions, count, expected in ((mine, 1, runs), (replace(mine, version="0.1.0"), 0, [])):
-        stored = survey_models.StoredTimedRuns(conditions, "2026-01-01", runs)
+        stored = survey_models.StoredTimedRuns(conditions, runs)
         survey_models.save_timed_runs(tmp_path, stored)
         assert survey_models.load_timed_runs((tmp_path,)).runs == runs
         again = survey_models.time_models_and_levels_on_screws(tmp_path, lambda text: pytest.fail(text), count=count)

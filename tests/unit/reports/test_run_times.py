@@ -102,7 +102,7 @@ def test_a_planted_older_time_is_not_shown(tmp_path):
     loads = {name: ((1.0 + 0.01 * k) * load).tolist() for k, name in enumerate(survey_models.TIMED)}
     runs = [survey_models.TimedRun(74, name, "converged", 2.0, 1.0, loads[name]) for name in loads]
     for conditions, shown in ((OLD.measuring_conditions, False), (measuring_conditions(), True)):
-        survey_models.save_timed_runs(tmp_path, survey_models.StoredTimedRuns(conditions, OLD.date, runs))
+        survey_models.save_timed_runs(tmp_path, survey_models.StoredTimedRuns(conditions, runs))
         found = error_over_time.measured_on_drawn_screws(study)
         assert (len(found) == len(survey_models.TIMED)) == shown
         assert (error_over_time.run_time_sentence(found) == UNMEASURED) != shown

@@ -43,17 +43,17 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     proof.append(Verification("balls that touch, over a patch", "loss", (1.0, 1.0, 0.9), 1.0, 20.0, 0.9))
     shares = ((0.005, 0.004), (0.005, 0.005))
     series = (rolling_rows.RunFromRest(10, (0.01, 0.02), (0.0, 4.0), shares, 4.0, 1.0, "converged"),)
-    variants = runs.StoredBodyChoiceResults((runs.BodyChoiceResult("as shipped", dict.fromkeys(runs.NAMES, 1.0)),), "Kept.")
+    variants = {"as shipped": dict.fromkeys(runs.NAMES, 1.0)}, "Kept."
     at = np.array([[0.0, 0.0], [1e-5, 0.0], [0.0, 1e-5], [1e-5, 1e-5]])
     sticks = np.array([True, False, False, False])
     field = rolling.SlipAndTractionField("one", at, 1e-2 * at, 1e12 * at, sticks, (1e-5, 1e-5))
-    beyond = rolling_rows.ChoiceEffect("lin-pair-a", "grid", "finer", 0.5, 0.4)
+    choices = [{"change_within_uncertainty": word} for word in ("beyond", "within")]
     solves = {
         "verifications_of_rolling_model": proof,
         "runs_from_rest": series,
         "find_body_variants": variants,
         "slip_and_traction_of_drawn_contacts": (field,),
-        "force_changes_by_numerical_choices": (beyond, replace(beyond, change=0.3)),
+        "force_changes_by_numerical_choices": choices,
     }
     for name, found in solves.items():
         monkeypatch.setattr(rolling, name, lambda *_, found=found, **__: found)
@@ -126,15 +126,17 @@ def test_no_grid_step_or_path_moves_an_answer_by_more_than_its_uncertainty(monke
     monkeypatch.setattr(rolling_rows, "STEPS", rolling_rows.STEPS[:2])
     assert all(cells > most for cells, most in zip(BEYOND, runs.LEVELS[max(runs.LEVELS)], strict=True))
     series = rolling_rows.runs_from_rest.__wrapped__()
-    kept = [runs.BodyChoiceResult(**row) for row in stored_variants()]
+    kept = {row["choice"]: row["values"] for row in stored_variants()}
     found = rolling_rows.force_changes_by_numerical_choices((shipped_store(),), series, kept)
     choices = "grid", "finite bodies", "time step", "path of regularisation"
     both = [(scene, choice) for scene in runs.SCENES for choice in choices]
-    assert [(c.scene, c.choice) for c in found] == [one for one in both if one != (runs.SCENES[1], "time step")]
-    assert [c for c in found if not c.is_within_uncertainty] == []
-    assert all(c.change < 1e-8 for c in found if c.choice.startswith("path"))
-    assert all(c.change > 1e-6 for c in found if not c.choice.startswith("path"))
-    assert rolling_rows.force_changes_by_numerical_choices((), series, ()) == ()
+    assert [(c["scene"], c["numerical_setting"]) for c in found] == [
+        one for one in both if one != (runs.SCENES[1], "time step")
+    ]
+    assert [c for c in found if c["change_within_uncertainty"] != "within"] == []
+    assert all(c["largest_force_change"] < 1e-8 for c in found if c["numerical_setting"].startswith("path"))
+    assert all(c["largest_force_change"] > 1e-6 for c in found if not c["numerical_setting"].startswith("path"))
+    assert rolling_rows.force_changes_by_numerical_choices((), series, {}) == []
 
 
 def test_every_shipped_run_has_the_key_of_its_scene():
