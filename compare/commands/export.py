@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rollbench.compare.reference.estimate import Reference
     from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.reference.tasks import Solvable
-    from rollbench.compare.studies.crosscheck.results import CalculixRunsOfScene, ContactLoadComparison
+    from rollbench.compare.studies.crosscheck.results import CalculixRunsOfScene, Row
     from rollbench.meshes.arrays import Array
     from rollbench.meshes.parts import Scene
 
@@ -391,7 +391,7 @@ def compare_with_calculix(
     alone = load_nut_compliance(folder)
     if alone is not None and alone.key == digest_of_shipped_scene(scene.name):
         parts.append(alone.sentence_on_agreement())
-    return CommandOutput({"scene": scene.name, "agreement": agreed, "contacts": [r.cells() for r in rows]}, parts)
+    return CommandOutput({"scene": scene.name, "agreement": agreed, "contacts": rows}, parts)
 
 
 def stored_calculix_results(folder: Path, scene: Scene) -> CalculixRunsOfScene:
@@ -434,7 +434,7 @@ def _find_or_compute_reference(scene: Scene, store: Path, engine: ComputingSetti
     return found
 
 
-def _calculix_loads_table(scene: Scene, rows: Sequence[ContactLoadComparison]) -> Any:
+def _calculix_loads_table(scene: Scene, rows: Sequence[Row]) -> Any:
     """Return the table that compares the loads of every contact by CalculiX and by the 3D reference.
 
     ``rows``: for each contact, the loads with their errors and uncertainties.
@@ -444,7 +444,7 @@ def _calculix_loads_table(scene: Scene, rows: Sequence[ContactLoadComparison]) -
 
     columns = {key: table_column(name) for name, key in COLUMNS.items()}
     heads = {key: "\n".join((*c.label.split(", "), *([c.unit] if c.unit else ()))) for key, c in columns.items()}
-    texts = ([format_cell(row.cells().get(key), c.format) for key, c in columns.items()] for row in rows)
+    texts = ([format_cell(row[key], c.format) for key, c in columns.items()] for row in rows)
     title = f"{scene.name}: contact loads, those by CalculiX extrapolated to zero cell size (--json lists every mesh)"
     return ruled_table(title, heads.values(), texts, [heads["side"]])
 

@@ -266,7 +266,7 @@ def errors_on_screws_drawn_later_text() -> str:
 
     They are empty if no such screw is stored.
     """
-    records = survey.records_of_screws_drawn_later()
+    records = survey.built_in_survey("new screw")["scenes"]
     found = {name: survey.model_accuracy_on_random_screws(records, name) for name in reversed(survey.MODELS)}
     texts = [
         f"{WHOSE[name]}: {one.median_error:.2g} % of the mean load in the median, at most {one.percentile_95:.2g} % on 19 "

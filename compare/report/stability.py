@@ -36,8 +36,7 @@ def survey_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
     ``step`` is called with each line of progress.
     """
     step("stored results of the randomly drawn screws")
-    every = survey.built_in_survey()["scenes"]
-    scenes = survey.records_of_screws_known_before()
+    every = scenes = survey.built_in_survey()["scenes"]
     title = "Contact-load errors of the models on randomly drawn catalogue screws"
     if not scenes:
         return Section("survey", title, (Text(("No results of randomly drawn screws are stored.",)),))
@@ -86,7 +85,7 @@ def survey_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
             summary,
         ),
         *error_and_time_items(cache),
-        *_items_on_screws_drawn_later(scenes, survey.records_of_screws_drawn_later()),
+        *_items_on_screws_drawn_later(scenes, survey.built_in_survey("new screw")["scenes"]),
         *double_nut_items(),
         Table(
             "stability-survey-scenes",

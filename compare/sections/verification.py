@@ -360,9 +360,7 @@ def calculix_contact_tables(
     """
     rows = results.compare_contact_loads(calculix_runs, reference, extrapolation)
     by_mesh = results.columns_of_contact_load_table(calculix_runs, reference)
-    ends, each = (
-        {column: [r.cells()[key] for r in rows] for column, key in shown.items()} for shown in (results.COLUMNS, by_mesh)
-    )
+    ends, each = ({column: [r[key] for r in rows] for column, key in shown.items()} for shown in (results.COLUMNS, by_mesh))
     fixed = f" Not varied: {', '.join(extrapolation.unvaried_options)}." if extrapolation.unvaried_options else ""
     note = (
         f"{results.agreement_sentence(calculix_runs.scene, rows)} Order {extrapolation.error_order:.2f}, length "

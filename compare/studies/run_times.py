@@ -221,7 +221,7 @@ def time_mesh_level_in_new_process(scene: str, level: int) -> ColdLevelTime:
 
 
 def _run_with_empty_caches(label: str, **asked: Any) -> tuple[float, dict[str, Any]]:
-    """Run the program `CHILD` in a new process with empty caches; return when it started [s] and the JSON values it printed.
+    """Run the program `CHILD` in a new process with empty caches; return its start [s] and the JSON values it printed.
 
     ``label``: name of the measurement in the message of the RuntimeError that is raised if the process fails; ``asked``:
     what the program reads.

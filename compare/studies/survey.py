@@ -130,14 +130,8 @@ def random_screw_scene_text(seed: int, number: int) -> str:
     balls, count = _draw_ball_circuits(rng, starts, ball, touching, halved=kind == "lead offset")
     force = LOAD * ball**2 * count * np.sin(pi / 4.0)
     length = round(outer * rng.uniform(12.0, 30.0))
-    track = {
-        "pitch_diameter": f"{pitch:g} mm",
-        "lead": f"{lead} mm",
-        "contact_angle": f"{rng.uniform(40.0, 50.0):.1f} deg",
-        "hand": str(rng.choice(["right", "right", "left"])),
-        "starts": starts,
-    }
-    screw = {"length": f"{length} mm", "outer_diameter": f"{outer} mm", "conformity": _draw_conformity(rng)}
+    track, screw = _draw_track_and_screw(rng, pitch, lead, length, outer)
+    track["starts"] = starts
     position = length * rng.uniform(0.3, 0.7)
     outside = float(f"{wall * rng.uniform(0.95, 1.2):.3g}")
     scene: dict[str, Any] = {
@@ -189,13 +183,7 @@ def random_double_nut_scene_text(seed: int, number: int) -> str:
     middle = length * rng.uniform(0.4, 0.6)
     share = rng.uniform(*PRELOAD_SHARES)
     force = LOAD * ball**2 * count * np.sin(pi / 4.0) * share / TYPICAL_SHARE
-    track = {
-        "pitch_diameter": f"{pitch:g} mm",
-        "lead": f"{lead} mm",
-        "contact_angle": f"{rng.uniform(40.0, 50.0):.1f} deg",
-        "hand": str(rng.choice(["right", "right", "left"])),
-    }
-    screw = {"length": f"{length} mm", "outer_diameter": f"{outer} mm", "conformity": _draw_conformity(rng)}
+    track, screw = _draw_track_and_screw(rng, pitch, lead, length, outer)
     nut = {
         "position": f"{middle:.4g} mm",
         "length": f"{length * 0.58:.4g} mm",
@@ -232,6 +220,22 @@ def random_double_nut_scene_text(seed: int, number: int) -> str:
         "sets": sets,
     }
     return _scene_as_toml(scene)
+
+
+def _draw_track_and_screw(
+    rng: np.random.Generator, pitch: float, lead: int, length: int, outer: int
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Draw contact angle, hand and conformity of a screw; return the scene keys of its track, then those of the screw.
+
+    ``pitch``, ``lead``, ``length`` and ``outer``: pitch diameter, lead, length and outer diameter [mm].
+    """
+    track = {
+        "pitch_diameter": f"{pitch:g} mm",
+        "lead": f"{lead} mm",
+        "contact_angle": f"{rng.uniform(40.0, 50.0):.1f} deg",
+        "hand": str(rng.choice(["right", "right", "left"])),
+    }
+    return track, {"length": f"{length} mm", "outer_diameter": f"{outer} mm", "conformity": _draw_conformity(rng)}
 
 
 def _draw_flange(rng: np.random.Generator, length: float, tube_diameter: float) -> dict[str, dict[str, str]]:
@@ -419,6 +423,16 @@ class DrawnKind(NamedTuple):
         """Name of the file with the contact loads of the 3D reference, next to the records."""
         return self.file.replace(".json", "-loads.json")
 
+    def scenes_under_given_and_raised_loads(self, seed: int, number: int) -> tuple[Solvable, Solvable]:
+        """Return a drawn scene under its loads, then the same scene under these loads times `RAISED` (1.05).
+
+        The axial tangent rigidity follows from the solutions under both loads.
+        """
+        name = f"{self.name}-{seed}-{number}"
+        scene = scene_file.parse_scene(self.scene_text(seed, number), f"{name}.toml")
+        assert isinstance(scene, Scene | Assembly)
+        return scene, replace(with_scaled_loads(scene, RAISED), name=f"{name}-raised")
+
 
 #: Kinds of scenes of the survey.
 KINDS = {
@@ -450,10 +464,9 @@ def survey_screw(seed: int, number: int, run_folder: Path | None = None, kind: s
         Record of the screw as JSON values: its properties, status of the 3D reference, and errors of the models.
     """
     begin = process_time()
-    text, name = KINDS[kind].scene_text(seed, number), f"{KINDS[kind].name}-{seed}-{number}"
     record: Record = {"number": number, "version": __version__}
     try:
-        scene, raised = scenes_under_given_and_raised_loads(text, name)
+        scene, raised = KINDS[kind].scenes_under_given_and_raised_loads(seed, number)
         record |= double_nut_properties(scene) if isinstance(scene, Assembly) else screw_properties_for_record(scene)
         found = [run for one in (scene, raised) if (run := stored_run(run_folder, one)) is not None]
         if len(found) < 2:
@@ -470,17 +483,6 @@ def survey_screw(seed: int, number: int, run_folder: Path | None = None, kind: s
     except Exception as error:  # the survey looks for programming errors too
         record["status"] = one_line(f"{type(error).__name__}: {error}", 400)
     return record | {"seconds": round(process_time() - begin, 1)}
-
-
-def scenes_under_given_and_raised_loads(text: str, name: str) -> tuple[Solvable, Solvable]:
-    """Return a screw under the loads of its scene file, then the same screw under these loads times `RAISED` (1.05).
-
-    The axial tangent rigidity follows from the solutions under both loads. ``text``: TOML text of the scene file; ``name``:
-    name of the first scene; that of the second ends in "-raised".
-    """
-    scene = scene_file.parse_scene(text, f"{name}.toml")
-    assert isinstance(scene, Scene | Assembly)
-    return scene, replace(with_scaled_loads(scene, RAISED), name=f"{name}-raised")
 
 
 def stored_run(run_folder: Path | None, scene: Solvable) -> Run | None:
@@ -533,13 +535,7 @@ def compare_models_with_reference(scene: Scene, raised: Scene, runs: Sequence[Ru
     ``raised``: the same screw with raised loads; ``runs``: solutions by the 3D reference under the drawn loads, then under
     the raised loads. Without two converged solutions or without loaded contacts the record has the status only.
     """
-    run, raised_run = runs
-    state = {
-        "status": run.status,
-        "raised_status": raised_run.status,
-        "rest_N": max(run.moving, raised_run.moving),
-        "load_seconds": round(run.solve_seconds, 2),
-    }
+    (run, raised_run), state = runs, _state_of_runs(*runs)
     if not (run.answers and raised_run.answers and run.load.any()):
         return state
     mean = float(run.load[run.load > 0.0].mean())
@@ -576,6 +572,16 @@ def compare_models_with_reference(scene: Scene, raised: Scene, runs: Sequence[Ru
     return state
 
 
+def _state_of_runs(run: Run, raised_run: Run) -> Record:
+    """Return the status of both solutions by the 3D reference for the record, with moving loads and time."""
+    return {
+        "status": run.status,
+        "raised_status": raised_run.status,
+        "rest_N": max(run.moving, raised_run.moving),
+        "load_seconds": round(run.solve_seconds, 2),
+    }
+
+
 def double_nut_properties(assembly: Assembly) -> Record:
     """Return the properties of a double nut that affect the errors of low-order models, those of its nuts in a list."""
     nuts = [
@@ -599,13 +605,7 @@ def compare_models_on_double_nut(assembly: Assembly, raised: Assembly, runs: Seq
     ``raised``: the same double nut with raised loads; ``runs``: solutions by the 3D reference under the drawn loads, then
     under the raised loads. Without two converged solutions, or with a nut without load, the record has the status only.
     """
-    run, raised_run = runs
-    state: Record = {
-        "status": run.status,
-        "raised_status": raised_run.status,
-        "rest_N": max(run.moving, raised_run.moving),
-        "load_seconds": round(run.solve_seconds, 2),
-    }
+    (run, raised_run), state = runs, _state_of_runs(*runs)
     if not (run.answers and raised_run.answers):
         return state
     references = references_from_runs(assembly, (run,))
@@ -683,22 +683,23 @@ def _record_of_double_nut_errors(
     largest = {
         name: max(abs(getattr(p, name) or 0.0) for p in found) for name in ("gate_percent", *model_form.QUANTITIES[1:])
     }
-    wanted = {} if expected is None else _expected_percents(expected)
     return {
         "status": result.status,
         "largest_percent": found[worst].percent,
         "at": places[worst],
         "percent_of_nuts": [p.percent for p in found],
         **largest,
-        **wanted,
-        "not_covered": "" if expected is None or expected.loads is not None else one_line(expected.words[-1], 200),
+        **_expected_percents(expected),
     }
 
 
-def _expected_percents(expected: model_form.ExpectedError) -> dict[str, float | None]:
-    """Return the errors expected from other scenes [%], rounded, by the keys of the record."""
+def _expected_percents(expected: model_form.ExpectedError | None) -> Record:
+    """Return the errors expected from other scenes [%], rounded, by the keys of the record, and why there are none."""
+    if expected is None:
+        return {"not_covered": ""}
     names = (name.replace("percent", "expected_percent") for name in model_form.QUANTITIES)
-    return {n: _round_or_none(getattr(expected, field)) for n, field in zip(names, model_form.EXPECTED, strict=True)}
+    found = {n: _round_or_none(getattr(expected, field)) for n, field in zip(names, model_form.EXPECTED, strict=True)}
+    return found | {"not_covered": "" if expected.loads is not None else one_line(expected.words[-1], 200)}
 
 
 def _round_or_none(value: float | None, factor: float = 1.0) -> float | None:
@@ -723,7 +724,6 @@ def _record_of_model_errors(
         "at": f"{error.ball} {error.side}",
         **{name: getattr(measured_errors, name) for name in ("gate_percent", *names[1:])},
         **_expected_percents(expected),
-        "not_covered": "" if expected.loads is not None else one_line(expected.words[-1], 200),
     }
 
 
@@ -777,8 +777,8 @@ def solve_screws_of_survey(
     """
     asked = {"survey": seed, "level": LEVEL, "version": __version__} | ({} if kind == "ball screw" else {"kind": kind})
     numbers = range(KINDS[kind].first, KINDS[kind].first + count)
-    kept = {record["number"]: record for record in _valid_records_in_file(record_file, seed) if _has_loads(record)}
-    known = {number: kept[number] for number in numbers if number in kept}
+    kept = _valid_records_in_file(record_file, seed)
+    known = {record["number"]: record for record in kept if record["number"] in numbers and _has_loads(record)}
     if known:
         show_progress(f"{len(known)} scenes of {count} are known")
     left = {number: (seed, number, folder / "runs", kind) for number in numbers if number not in known}
@@ -801,15 +801,12 @@ def _valid_records_in_file(path: Path | None, seed: int) -> list[Record]:
         return []
     found = json.loads(path.read_text(encoding="utf-8"))
     same = (found.get("seed"), found.get("level")) == (seed, LEVEL)
-    return [_with_descriptors(record, seed) for record in found["scenes"] if same and record["version"] == __version__]
-
-
-def _with_descriptors(record: Record, seed: int) -> Record:
-    """Return the record of a random screw of the survey ``seed`` with all present descriptors."""
-    if "places" not in record:
-        return record
-    scene = scene_file.scene_from_text(random_screw_scene_text(seed, record["number"]), "survey.toml")
-    return record | {"places": descriptors_for_record(scene)}
+    kept = [record for record in found["scenes"] if same and record["version"] == __version__]
+    for record in kept:
+        if "places" in record:
+            scene = scene_file.scene_from_text(random_screw_scene_text(seed, record["number"]), "survey.toml")
+            record["places"] = descriptors_for_record(scene)
+    return kept
 
 
 def descriptors_for_record(scene: Scene) -> dict[str, float]:
@@ -846,21 +843,9 @@ def built_in_survey(kind: str = "ball screw") -> dict[str, Any]:
     return found
 
 
-def records_of_screws_known_before() -> list[Record]:
-    """Return the stored records of the screws that were known when the models were last changed."""
-    known: list[Record] = built_in_survey()["scenes"]
-    return known
-
-
-def records_of_screws_drawn_later() -> list[Record]:
-    """Return the stored records of the screws that were drawn and compared once, after the last change of the models."""
-    new: list[Record] = built_in_survey("new screw")["scenes"]
-    return new
-
-
 def records_of_all_screws() -> list[Record]:
     """Return the stored records of all drawn screws, in the order of their numbers."""
-    return [*records_of_screws_known_before(), *records_of_screws_drawn_later()]
+    return [*built_in_survey()["scenes"], *built_in_survey("new screw")["scenes"]]
 
 
 #: Aims for the errors of the refined model on random screws: of the worst contact, and root mean square [% of the mean

@@ -156,8 +156,7 @@ def store_reference_loads(path: Path, run_folder: Path, count: int, kind: str = 
     """
     before = _read_reference_loads(path)
     for number in range(survey.KINDS[kind].first, survey.KINDS[kind].first + count):
-        text, name = survey.KINDS[kind].scene_text(survey.SEED, number), f"{survey.KINDS[kind].name}-{survey.SEED}-{number}"
-        scene, _ = survey.scenes_under_given_and_raised_loads(text, name)
+        scene, _ = survey.KINDS[kind].scenes_under_given_and_raised_loads(survey.SEED, number)
         run = survey.stored_run(run_folder, scene)
         if run is not None:
             load = [[float(f"{x:.6g}") for x in row] for row in run.load]
@@ -170,9 +169,8 @@ def store_reference_loads(path: Path, run_folder: Path, count: int, kind: str = 
 
 def _scene_digest(scene: Solvable) -> str:
     """Return a digest (hash value, 16 hexadecimal digits) of a scene's content and of the version of the 3D reference."""
-    if isinstance(scene, Assembly):
-        return digest_of_values(SCHEMA, SETS, static_part(scene))[:16]
-    return digest_of_values(SCHEMA, static_part(scene))[:16]
+    versions = (SCHEMA, SETS) if isinstance(scene, Assembly) else (SCHEMA,)
+    return digest_of_values(*versions, static_part(scene))[:16]
 
 
 def _read_reference_loads(path: Path) -> dict[int, Row]:
@@ -190,11 +188,8 @@ def _read_reference_loads(path: Path) -> dict[int, Row]:
 @cache
 def stored_loads() -> dict[int, Row]:
     """Return the contact loads by the 3D reference on random screws, stored in the package, by number of the screw."""
-    files = (survey.KINDS[kind].loads for kind in ("ball screw", "new screw"))
-    found = dict[int, Row]()
-    for file in files:
-        found |= _read_reference_loads(shipped_path(f"references/{file}"))
-    return found
+    first, new = (shipped_path(f"references/{survey.KINDS[kind].loads}") for kind in ("ball screw", "new screw"))
+    return _read_reference_loads(first) | _read_reference_loads(new)
 
 
 def reference_from_stored_loads(scene: Scene, number: int) -> Reference | None:
@@ -398,33 +393,6 @@ def compare_models_on_random_screws(
     for name in models:
         model_by_name(name, excluded_names=("condensed",))
     numbers = [number for number in range(count) if number in stored_loads()]
-    rows = _judge_models_on_screws(models, numbers, workers, limit, show_progress, store)
-    ours = [r for r in survey.records_of_all_screws() if r["number"] in numbers]
-    record = {
-        name: [
-            SurveyRow(screw=r["number"], title=r["title"].partition(": ")[2], **r["models"][name])
-            for r in ours
-            if name in r.get("models", {})
-        ]
-        for name in survey.MODELS
-        if name not in models
-    }
-    return Survey(screws=len(numbers), of=count, max_error=limit, judged=models, rows=rows | record)
-
-
-def _judge_models_on_screws(
-    models: Sequence[str],
-    numbers: Sequence[int],
-    workers: int | None,
-    limit: float,
-    show_progress: Callable[[str], None],
-    store: str | Path | None,
-) -> dict[str, list[SurveyRow]]:
-    """Compare models with the 3D reference on several random screws, and return a row for each, in their order, by model.
-
-    ``numbers``: numbers of the screws; the other arguments are those of `compare_models_on_random_screws`. Raises the error
-    of a model that fails on each of the screws that are tried first.
-    """
     origins = [(name, "" if name in MODELS else origin_of_model(name)) for name in models]
     stored, engine = stored_in(store, "survey", "", origins, limit, survey.SEED), ComputingSettings(parallel_jobs=workers)
     pairs = [(name, number) for name in models for number in numbers]
@@ -440,7 +408,18 @@ def _judge_models_on_screws(
             if len(rows) == len(pairs) or perf_counter() - begin > 10.0 * (pulse + 1):
                 pulse = int((perf_counter() - begin) / 10.0)
                 show_progress(f"[{len(rows)}/{len(pairs)}] {model_title(pairs[k][0])}: {perf_counter() - begin:.0f} s")
-    return {name: [rows[k] for k, pair in enumerate(pairs) if pair[0] == name] for name in models}
+    judged = {name: [rows[k] for k, pair in enumerate(pairs) if pair[0] == name] for name in models}
+    ours = [r for r in survey.records_of_all_screws() if r["number"] in numbers]
+    record = {
+        name: [
+            SurveyRow(screw=r["number"], title=r["title"].partition(": ")[2], **r["models"][name])
+            for r in ours
+            if name in r.get("models", {})
+        ]
+        for name in survey.MODELS
+        if name not in models
+    }
+    return Survey(screws=len(numbers), of=count, max_error=limit, judged=models, rows=judged | record)
 
 
 def errors_of_rows(rows: Sequence[SurveyRow], error: str) -> list[float]:
@@ -625,8 +604,7 @@ def load_cases_of_random_screw(number: int) -> tuple[Scene, Scene]:
 
     The axial tangent rigidity follows from the solutions under both loads.
     """
-    text = survey.random_screw_scene_text(survey.SEED, number)
-    scene, raised = survey.scenes_under_given_and_raised_loads(text, screw_name(number))
+    scene, raised = survey.KINDS["ball screw"].scenes_under_given_and_raised_loads(survey.SEED, number)
     assert isinstance(scene, Scene)
     assert isinstance(raised, Scene)
     return scene, raised

@@ -197,8 +197,8 @@ def _finite_body_results(
 ) -> list[Text | Table | Figure | PressureMap]:
     """Return text and tables that compare bodies of finite size with elastic half spaces in the 3D rolling model.
 
-    ``stores``: folders of the stored 3D results; ``sizes``: results of two touching balls by size and mesh of the bodies, and a sentence on their origin;
-    ``verified``: verifications of the model.
+    ``stores``: folders of the stored 3D results; ``sizes``: results of two touching balls by size and mesh of the bodies,
+    and a sentence on their origin; ``verified``: verifications of the model.
     """
     found = {name: compare_scene_with_stored_runs(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
     missing, (variants, origin) = [name for name, rows in found.items() if not rows], sizes

@@ -331,9 +331,14 @@ def contact_loads_by_calculix(cache: SceneResultCache) -> Iterator[PublishedValu
             continue
         mean = float(ours.mean)
         for row in compare_contact_loads(data, ours):
-            off = 0.01 * row.ours_percent * mean
-            words = ("contact load", "3D reference", "CalculiX", f"{name}: ball {row.ball} {row.side}", PROGRAM)
-            value = (row.theirs, 0.01 * row.theirs_percent * mean, ComputedBand.from_values((row.ours,), off), mean)
+            off = 0.01 * row["ours_percent"] * mean
+            words = ("contact load", "3D reference", "CalculiX", f"{name}: ball {row['ball']} {row['side']}", PROGRAM)
+            value = (
+                row["theirs"],
+                0.01 * row["theirs_percent"] * mean,
+                ComputedBand.from_values((row["ours"],), off),
+                mean,
+            )
             yield PublishedValue(
                 *words, f"stored run, compare/studies/crosscheck/{path_of_calculix_results(folder, name).name}", "N", *value
             )

@@ -103,18 +103,6 @@ def groove_contact_face_set_name(contact: ExpectedContact) -> str:
     return f"{'SCREW' if contact.side < 2 else 'NUT'}_{SIDES[contact.side]}_{contact.ball + 1}"
 
 
-def _semi_axes_of_contact_zone(
-    contact: ExpectedContact, element_size: float, semi_axes: tuple[float, float]
-) -> tuple[float, float]:
-    """Return the semi-axes [m], across and along the groove, of an elliptic zone around the expected contact ellipse.
-
-    ``contact``: expected contact; ``element_size``: element size there [m]; ``semi_axes``: factor by which the semi-axes of
-    the contact ellipse are multiplied, and number of element sizes that are then added to each of them.
-    """
-    across, along = (semi_axes[0] * x + semi_axes[1] * element_size for x in contact.semi_axes)
-    return across, along
-
-
 def refined_zone_points(contact: ExpectedContact, element_size: float) -> Array:
     """Return points (k, 2) [m] that fill the zone of small elements at a contact, across and along the groove.
 
@@ -135,7 +123,7 @@ def flank_contact_faces(groove: GrooveMap, mesh: ExportedBodyMesh, contact: Expe
     at = np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1])
     unit = RefinementBoxSize(1.0, radius, 1.0)
     xi = local_coordinates_in_refinement_box(groove, unit, contact.ball_position_and_flank, *at)
-    half = _semi_axes_of_contact_zone(contact, element_size, MASTER)
+    half = MASTER[0] * np.array(contact.semi_axes) + MASTER[1] * element_size
     inside = (radius * xi[:, 0] / half[0]) ** 2 + (groove.R * xi[:, 2] / half[1]) ** 2 <= 1.0
     return _outer_faces_with_corners(mesh, flank[inside])
 
@@ -150,7 +138,7 @@ def ball_contact_faces(
     contact [m].
     """
     n, t1, t2 = contact_frame_vectors(groove, contact.side)
-    half = _semi_axes_of_contact_zone(contact, element_size, SLAVE)
+    half = SLAVE[0] * np.array(contact.semi_axes) + SLAVE[1] * element_size
     sphere = mesh.nodes_of_boundaries["sphere"]
     x = mesh.points[sphere]
     height = np.where(x @ n > 0.0, x @ n, 1e-9 * radius)  # nodes behind are far outside

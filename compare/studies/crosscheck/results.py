@@ -27,7 +27,7 @@ Comput. Phys. 262, 2014): coarse meshes help to find the order, fine ones determ
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from itertools import combinations, product
 from pathlib import Path
@@ -39,11 +39,15 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
 from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.studies.crosscheck.deck import DeckOptions
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.content import Cell, ColumnKey
+from rollbench.reports.content import ColumnKey
 
 T = TypeVar("T")
+
+#: Row of a table of contact loads: values by the key of the column.
+Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -60,20 +64,13 @@ class BodyMesh:
     smallest: float
 
 
-@dataclass(frozen=True)
-class CalculixRun:
-    """Solution of one input deck by CalculiX: mesh, contact options and contact loads."""
+@dataclass(frozen=True, kw_only=True)
+class CalculixRun(DeckOptions):
+    """Solution of one input deck by CalculiX: mesh, contact options and contact loads.
 
-    #: Number of elements across the minor semi-axis of a contact ellipse under the mean contact load.
-    b_over_h: float
-    #: Increase of the element size per unit of distance from the contacts.
-    growth: float
-    #: Contact stiffness: pressure per overclosure (overlap of the surfaces) [Pa/m].
-    stiffness: float
-    #: Stiffness of the weak springs that prevent rigid-body motions of the balls [N/m].
-    spring: float
-    #: Whether large displacements are taken into account (geometric nonlinearity).
-    nlgeom: bool
+    Nodes of half bodies are those of this half, but contact loads are those of whole balls.
+    """
+
     #: Element size at the contacts [m].
     fine: float
     #: Digest (hash value) of the deck's text.
@@ -96,11 +93,6 @@ class CalculixRun:
     date: str
     #: Name and version of the program, CalculiX.
     program: str
-    #: Whether only the half y >= 0 of the bodies was meshed; nodes are then counted in this half, but contact loads are
-    #: those of whole balls.
-    half: bool = False
-    #: Whether all balls have the same mesh.
-    alike: bool = False
 
     @property
     def nodes(self) -> int:
@@ -328,27 +320,38 @@ def extrapolate_calculix_loads(runs: Sequence[CalculixRun]) -> LoadExtrapolation
     semi = np.cbrt(np.maximum(typical / typical[typical > 0.0].mean(), 1e-3))  # own semi-axis over that at mean load
     weight = 1.0 / _relative_element_errors_of_contacts(h, g, semi, *WEIGHING)
     weight = weight / weight.max(axis=0)
-    errors = ((p, s, _relative_element_errors_of_contacts(h, g, semi, p, s)) for p, s in product(ORDERS, LENGTHS))
-    fits = [_fit_loads_over_element_error(loads, e, weight, p, s) for p, s, e in errors]
-    best = min(fits, key=lambda fit: fit.misfit)
+    # weighted straight lines of the loads (m, c) over the errors of each order and length (k, m, c)
+    combined = list(product(ORDERS, LENGTHS))
+    errors = np.stack([_relative_element_errors_of_contacts(h, g, semi, *of) for of in combined])
+    w = weight**2 / (weight**2).sum(axis=0)
+    middle, mean = (w * errors).sum(axis=1, keepdims=True), (w * loads).sum(axis=0)
+    wide = (w * (errors - middle) ** 2).sum(axis=1)
+    slope = (w * (errors - middle) * (loads - mean)).sum(axis=1) / wide
+    limits = mean - slope * middle[:, 0]
+    square = (weight * (loads - limits[:, None] - slope[:, None] * errors)) ** 2
+    residual, misfit = np.sqrt(square.mean(axis=1)), np.sqrt(square.mean(axis=(1, 2)))
+    best = int(misfit.argmin())
     free = max(1, len(loads) - 2)
-    enough = np.hypot(best.residual, COVERED * np.maximum(best.residual, best.misfit) / np.sqrt(free))
+    scatter = np.sqrt(np.maximum(square[best].sum(axis=0), square[best].sum() / mean.size) / free)
+    # Var F0 = sigma^2 (1 + middle^2 / wide) / sum of weights squared, sigma that of the finest mesh
+    share = (1.0 + middle[best, 0] ** 2 / wide[best]) / (weight**2).sum(axis=0)
+    standard_error = scatter * np.sqrt(share) * (mean > 0.0)
+    enough = np.hypot(residual[best], COVERED * np.maximum(residual[best], misfit[best]) / np.sqrt(free))
     enough = enough + EXACT * float(np.abs(loads).max())
-    change = np.abs(np.stack([f.limit_load for f in fits]) - best.limit_load)
-    spread = np.where(np.stack([f.residual for f in fits]) <= enough, change, 0.0).max(axis=0)
-    near = int(np.argmin(np.abs(best.element_size_effect).sum(axis=1)))
+    spread = np.where(residual <= enough, np.abs(limits - limits[best]), 0.0).max(axis=0)
+    effects = slope[best] * errors[best]
+    near = int(np.argmin(np.abs(effects).sum(axis=1)))
     stiff = max(r.stiffness for r in list(groups.values())[near])
     shape = linear[0].load.shape
-    effect = best.element_size_effect[near]
-    uncertainty = np.sqrt(spread**2 + (COVERED * best.standard_error) ** 2 + (LEAST * effect) ** 2)
+    uncertainty = np.sqrt(spread**2 + (COVERED * standard_error) ** 2 + (LEAST * effects[near]) ** 2)
     varied = (("element size", h), ("growth", g), ("contact stiffness", B))
     return LoadExtrapolation(
-        load=best.limit_load.reshape(shape),
+        load=limits[best].reshape(shape),
         uncertainty=uncertainty.reshape(shape),
-        error_order=best.order,
-        field_length=best.length,
-        misfit=best.misfit,
-        element_size_effect=effect.reshape(shape),
+        error_order=combined[best][0],
+        field_length=combined[best][1],
+        misfit=float(misfit[best]),
+        element_size_effect=effects[near].reshape(shape),
         contact_stiffness_effect=(B / stiff).reshape(shape),
         unvaried_options=tuple(name for name, x in varied if np.ptp(x) == 0.0),
     )
@@ -368,57 +371,10 @@ def _relative_element_errors_of_contacts(
     return relative_element_error(size, np.broadcast_to(growth[:, None], size.shape), order)
 
 
-@dataclass(frozen=True)
-class _LoadFit:
-    """Weighted least-squares fit of all contact loads over the discretisation error, for one order p and one length lambda.
-
-    The error is that of `relative_element_error`, which grows as (element size / lambda)^p; lambda is the length over which
-    the contact's elastic field changes. m: number of meshes; c: number of contacts.
-    """
-
-    #: Order p of the discretisation error, which decreases as the element size to the power p.
-    order: float
-    #: Ratio of the length lambda, over which the elastic field of a contact changes, to the minor semi-axis of the contact.
-    length: float
-    #: RMS of the weighted residuals of all contacts [N].
-    misfit: float
-    #: RMS of the weighted residuals of each contact, (c,) [N].
-    residual: Array
-    #: Contact loads extrapolated to zero element size, (c,) [N].
-    limit_load: Array
-    #: Standard errors of the extrapolated contact loads, (c,) [N].
-    standard_error: Array
-    #: Error of each contact load by the element size, as fitted, on each mesh, (m, c) [N].
-    element_size_effect: Array
-
-
-def _fit_loads_over_element_error(
-    loads: Array, element_errors: Array, weight: Array, order: float, length: float
-) -> _LoadFit:
-    """Fit the load of each contact by a straight line over the relative discretisation error, by weighted least squares.
-
-    ``loads``: loads of c contacts on m meshes (m, c) [N]; ``element_errors``: relative discretisation error (m, c);
-    ``weight``: weights of the residuals, 1 on the finest mesh (m, c); ``order`` and ``length``: order p and ratio of the
-    length lambda to the contact's minor semi-axis, with which ``element_errors`` was computed.
-    """
-    w = weight**2 / (weight**2).sum(axis=0)
-    middle, mean = (w * element_errors).sum(axis=0), (w * loads).sum(axis=0)
-    wide = (w * (element_errors - middle) ** 2).sum(axis=0)
-    slope = (w * (element_errors - middle) * (loads - mean)).sum(axis=0) / wide
-    limit = mean - slope * middle
-    square = (weight * (loads - limit - slope * element_errors)) ** 2
-    free = max(1, len(loads) - 2)
-    scatter = np.sqrt(np.maximum(square.sum(axis=0), square.sum() / square.shape[1]) / free)
-    # Var F0 = sigma^2 (1 + middle^2 / wide) / sum of weights squared, sigma that of the finest mesh
-    error = scatter * np.sqrt((1.0 + middle**2 / wide) / (weight**2).sum(axis=0)) * (mean > 0.0)
-    residual = np.sqrt(square.mean(axis=0))
-    return _LoadFit(order, length, float(np.sqrt(square.mean())), residual, limit, error, slope * element_errors)
-
-
 #: Largest allowed difference of a contact load between both programs [% of the mean load].
 TARGET = 0.5
 
-#: Columns that name a contact, each with its key in `ContactLoadComparison.cells`.
+#: Columns that name a contact, each with its key in the rows of `compare_contact_loads`.
 PLACE: dict[ColumnKey, str] = {"ball": "ball", "flank": "side"}
 
 #: Columns that compare a contact's load: finest level of the 3D reference, and extrapolated load of CalculiX.
@@ -430,33 +386,6 @@ COLUMNS: dict[ColumnKey, str] = {
     ("load_uncertainty_by", "CalculiX"): "theirs_percent",
     "reference_minus_calculix": "difference",
 }
-
-
-@dataclass(frozen=True)
-class ContactLoadComparison:
-    """Load of one contact by the 3D reference ("ours") and by CalculiX ("theirs"), and their difference."""
-
-    #: Ball, from 1.
-    ball: int
-    #: Flank of the contact: SL, SR, NL, NR (screw left and right, nut left and right).
-    side: str
-    #: Contact load on every mesh of both programs, by the name of the mesh [N].
-    meshes: Mapping[str, float]
-    #: Contact load by the 3D reference on its finest mesh level [N].
-    ours: float
-    #: Uncertainty of the contact load by the 3D reference [% of its mean contact load].
-    ours_percent: float
-    #: Contact load by CalculiX, extrapolated to zero element size [N].
-    theirs: float
-    #: Uncertainty of the contact load by CalculiX [% of the mean contact load of the 3D reference].
-    theirs_percent: float
-    #: Contact load by the 3D reference less that by CalculiX [% of the mean contact load of the 3D reference].
-    difference: float
-
-    def cells(self) -> dict[str, Cell]:
-        """Return the values of this contact as a table row, by the key of the table column."""
-        compared: dict[str, Cell] = {key: getattr(self, key) for key in COLUMNS.values() if key not in PLACE.values()}
-        return {"ball": str(self.ball), "side": self.side, **self.meshes, **compared}
 
 
 def runs_with_common_contact_stiffness(data: CalculixRunsOfScene) -> list[CalculixRun]:
@@ -481,25 +410,31 @@ def deck_label(run: CalculixRun) -> str:
 
 def compare_contact_loads(
     data: CalculixRunsOfScene, reference: Reference, extrapolation: LoadExtrapolation | None = None
-) -> list[ContactLoadComparison]:
+) -> list[Row]:
     """Compare 3D reference and CalculiX at each contact that carries load in one of them; return one row for each contact.
+
+    A row has ball (from 1) and flank, the load on every mesh of both programs by the name of the mesh, and the values of
+    `COLUMNS`: loads by the 3D reference on its finest level ("ours") and by CalculiX, extrapolated ("theirs") [N], their
+    uncertainties and the difference of both programs [% of the mean load of the 3D reference].
 
     ``data``: solutions by CalculiX; ``reference``: the 3D reference; ``extrapolation``: extrapolated loads of CalculiX,
     None to compute them.
     """
     extrapolation = extrapolation or extrapolate_calculix_loads(data.runs)
-    best, mean, rows = reference.load, reference.mean, []
-    meshes = {f"level {r.level}": r.load for r in reference.runs}
-    meshes |= {deck_label(r): r.load for r in runs_with_common_contact_stiffness(data)}
-    for i, s in zip(*np.nonzero((best > 0.0) | (extrapolation.load > 1e-3 * mean)), strict=True):
-        by_mesh = {name: float(load[i, s]) for name, load in meshes.items()}
-        ours, theirs = float(best[i, s]), float(extrapolation.load[i, s])
-        uncertainties = (x.uncertainty[i, s] for x in (reference, extrapolation))
-        ours_percent, theirs_percent = (float(error_percent(x, 0.0, mean)) for x in uncertainties)
-        off = float(error_percent(best[i, s], extrapolation.load[i, s], mean))
-        compared = ours, ours_percent, theirs, theirs_percent, off
-        rows.append(ContactLoadComparison(int(i) + 1, SIDES[s], by_mesh, *compared))
-    return rows
+    mean, loads = reference.mean, {f"level {r.level}": r.load for r in reference.runs}
+    loads |= {deck_label(r): r.load for r in runs_with_common_contact_stiffness(data)}
+    loads |= {
+        "ours": reference.load,
+        "ours_percent": error_percent(reference.uncertainty, 0.0, mean),
+        "theirs": extrapolation.load,
+        "theirs_percent": error_percent(extrapolation.uncertainty, 0.0, mean),
+        "difference": error_percent(reference.load, extrapolation.load, mean),
+    }
+    loaded = np.nonzero((reference.load > 0.0) | (extrapolation.load > 1e-3 * mean))
+    return [
+        {"ball": str(i + 1), "side": SIDES[s], **{name: float(of[i, s]) for name, of in loads.items()}}
+        for i, s in zip(*loaded, strict=True)
+    ]
 
 
 def columns_of_contact_load_table(data: CalculixRunsOfScene, reference: Reference) -> dict[ColumnKey, str]:
@@ -512,19 +447,19 @@ def columns_of_contact_load_table(data: CalculixRunsOfScene, reference: Referenc
     return columns | {("load_by", f"CalculiX, {label}"): label for label in decks}
 
 
-def agreement_sentence(name: str, rows: Sequence[ContactLoadComparison]) -> str:
+def agreement_sentence(name: str, rows: Sequence[Row]) -> str:
     """Return a sentence on the largest and RMS difference of contact loads between the 3D reference and CalculiX.
 
     The sentence also says at how many contacts the difference exceeds the combined uncertainty of both programs.
     ``name``: name of the scene; ``rows``: comparison of each contact.
     """
-    worst = max(rows, key=lambda r: abs(r.difference))
-    rms = float(np.sqrt(np.mean([r.difference**2 for r in rows])))
-    met = "within" if abs(worst.difference) <= TARGET else "NOT within"
-    theirs = max(r.theirs_percent for r in rows)
-    beyond = sum(abs(r.difference) > np.hypot(r.theirs_percent, r.ours_percent) for r in rows)
+    worst = max(rows, key=lambda r: abs(r["difference"]))
+    rms = float(np.sqrt(np.mean([r["difference"] ** 2 for r in rows])))
+    met = "within" if abs(worst["difference"]) <= TARGET else "NOT within"
+    theirs = max(r["theirs_percent"] for r in rows)
+    beyond = sum(abs(r["difference"]) > np.hypot(r["theirs_percent"], r["ours_percent"]) for r in rows)
     return (
-        f"{name}: the 3D reference differs from CalculiX by at most {worst.difference:+.2f} % of the mean load (ball "
-        f"{worst.ball} {worst.side}; RMS {rms:.2f} %), {met} {TARGET} %; CalculiX's own uncertainty is up to "
+        f"{name}: the 3D reference differs from CalculiX by at most {worst['difference']:+.2f} % of the mean load (ball "
+        f"{worst['ball']} {worst['side']}; RMS {rms:.2f} %), {met} {TARGET} %; CalculiX's own uncertainty is up to "
         f"{theirs:.2f} %, and {beyond} of {len(rows)} contacts differ by more than both uncertainties."
     )

@@ -7,7 +7,6 @@ normal is applied to one section after the other. There is no contact: each forc
 
 from __future__ import annotations
 
-import datetime
 import hashlib
 import json
 import os
@@ -31,6 +30,7 @@ from rollbench.compare.reference.levels import STUDIED
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.crosscheck import results
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, MeshedDeck, build_deck
+from rollbench.compare.studies.run_times import utc_date_today
 from rollbench.hifi.bodies.coarse import degrees_of_freedom_of_nodes
 from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
@@ -142,9 +142,8 @@ def _solve_deck(program: str, text: str, folder: Path) -> dict[str, Any]:
         faults = [line.strip() for line in done.stdout.splitlines() if "*ERROR" in line] or done.stdout.split("\n")[-3:]
         raise ValueError(f"CalculiX failed (code {done.returncode}): {' '.join(faults[:3])}")
     seconds = after.children_user + after.children_system - before.children_user - before.children_system
-    today = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d")
     elapsed = after.elapsed - before.elapsed  # where children are not accounted for (Windows); of one thread, too
-    return {"seconds": seconds or elapsed, "date": today, "version": installed_calculix_version(program)}
+    return {"seconds": seconds or elapsed, "date": utc_date_today(), "version": installed_calculix_version(program)}
 
 
 def read_forces_and_displacements(text: str) -> tuple[dict[str, Triple], dict[str, dict[int, Triple]]]:

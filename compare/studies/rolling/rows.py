@@ -354,7 +354,7 @@ def force_changes_by_numerical_choices(
 def _force_changes_in_scene(
     name: str, stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Mapping[str, rolling_runs.BodyValues]
 ) -> Iterator[Row]:
-    """Yield table rows on how a scene's ball-to-ball force changes with finer grids and time steps, other bodies and smoother friction.
+    """Yield rows on how a scene's ball-to-ball force changes with finer grids and steps, other bodies, smoother friction.
 
     ``name``: name of the scene; the other arguments are those of `force_changes_by_numerical_choices`.
     """

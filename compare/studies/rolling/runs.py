@@ -389,7 +389,7 @@ def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> tuple[dict[str
 
 
 def _body_variants_of_present_inputs(data: dict[str, Any]) -> dict[str, BodyValues]:
-    """Return the results of the compared models from the JSON values of their file; ValueError for results of other inputs."""
+    """Return the results of the compared models from the JSON values of their file; ValueError for other inputs."""
     found = {row["choice"]: row["values"] for row in data["variants"]}
     if data["key"] != body_variants_key() or LIVE not in found:
         raise ValueError("results of other inputs")

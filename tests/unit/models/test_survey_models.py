@@ -178,6 +178,6 @@ def test_new_screws_are_of_another_seed_and_calibrate_nothing():
     assert all(f"survey {survey.NEW_SEED}, scene {k}:" in text for k, text in enumerate(texts))
     assert max(CALIBRATING) < survey.SCENES
     assert {r["number"] for r in records_of_random_screws()} <= set(range(survey.SCENES))
-    later = survey.records_of_screws_drawn_later()
+    later = survey.built_in_survey("new screw")["scenes"]
     assert [r["number"] for r in later] == list(numbers)
     assert {r["number"] for r in later if r.get("models")} <= survey_models.stored_loads().keys()
