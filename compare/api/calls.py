@@ -507,13 +507,12 @@ def ensemble(
     (4, 350)
     """
     from rollbench.compare.reference.jobs import ComputingSettings
-    from rollbench.compare.studies.members.members import ensemble_of_load_cases, solve_random_draws_of_load_cases
+    from rollbench.compare.studies.members.members import solve_random_draws_of_load_cases
 
     _check_numbers(members=members, seed=seed, workers=workers)
     described, engine = _scene_record(scene), ComputingSettings(parallel_jobs=workers)
     name, say = described.name, LOG.info
-    found = solve_random_draws_of_load_cases(described, name, model, members, seed, engine, say, store=store)
-    return ensemble_of_load_cases(described, *found)
+    return solve_random_draws_of_load_cases(described, name, model, members, seed, engine, say, store=store)
 
 
 @limited_to_one_thread()

@@ -452,11 +452,10 @@ def solve_specimens(
     option cannot be used.
     """
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.studies.members.members import ensemble_of_load_cases, solve_random_draws_of_load_cases
+    from rollbench.compare.studies.members.members import solve_random_draws_of_load_cases
 
     described, step = catalogue.scene_of_any_kind(name), show_progress_message
-    solved = solve_random_draws_of_load_cases(described, name, model, count, seed, engine, step, csv_out, store)
-    found = ensemble_of_load_cases(described, *solved)
+    found = solve_random_draws_of_load_cases(described, name, model, count, seed, engine, step, csv_out, store)
     shown = ensemble_terminal_parts(found, balls=balls)
     shown += [f"wrote {csv_out}: one row for each specimen"] * bool(csv_out)
     return CommandOutput(found.to_dict(), shown, 0 if found.converged else 1)

@@ -50,18 +50,11 @@ from rollbench.meshes.parts import Scene
 
 
 @dataclass(frozen=True)
-class RandomDrawsResult:
-    """Contact loads of a scene for M random draws of its geometric errors; each draw is called a specimen."""
+class RandomDrawsResult(MemberLoads):
+    """Solutions of a scene for M random draws of its geometric errors (specimens); values are nan without equilibrium."""
 
-    #: Contact loads of N balls on the four flanks (screw left, screw right, nut left, nut right) in each draw, (M, N, 4)
-    #: [N]; nan without equilibrium.
-    loads: Array
     #: Status of the solution of each specimen, as in ``StaticResult``.
     statuses: tuple[str, ...]
-    #: Relative residual of each specimen's equations, (M,).
-    residuals: Array
-    #: Number of specimens that were solved with contacts on all four flanks, not only on the flanks expected to be loaded.
-    all_flanks_count: int
     #: Number of specimens that were solved one by one with ``solve_static``, not together.
     singly_solved_count: int
 
@@ -90,18 +83,16 @@ def solve_random_draws(scene: Scene, members: int | None = None, first: int = 0)
     """
     count, backend = scene.members if members is None else members, LADDER["lin"]
     together = SpecimensOfScene(scene, backend).solve(first, count) if can_share_equations(scene, backend) else None
-    found, statuses, alone = _complete_draws(scene, "lin", first, count, (), together)
-    every = 0 if together is None else together.all_flanks_count
-    return RandomDrawsResult(found.loads, statuses, found.residuals, every, alone)
+    return _complete_draws(scene, "lin", first, count, (), together)
 
 
 def _complete_draws(
     scene: Scene, model: str, first: int, count: int, sections: tuple[float, ...], together: MemberLoads | None
-) -> tuple[MemberLoads, tuple[str, ...], int]:
+) -> RandomDrawsResult:
     """Solve one by one those random draws that were not solved together.
 
     ``sections``: axial positions of the screw whose motions are asked for [m]; ``together``: the solutions that share
-    equations; None: there are none. Returns the solutions of all draws, their statuses, and how many were solved alone.
+    equations; None: there are none. Returns the solutions of all draws.
     """
     if together is None:
         shapes = (scene.ball_count, 4), (), (len(sections), 6), ()
@@ -116,19 +107,14 @@ def _complete_draws(
             found.loads[k], found.forces[k] = result.load, axial_force(result)
             for i, at in enumerate(sections):
                 found.motions[k, i] = motion_at(result, at)
-    return found, tuple(statuses), int(left.size)
+    return RandomDrawsResult(**vars(found), statuses=tuple(statuses), singly_solved_count=int(left.size))
 
 
-def cached_random_draws_of_scene(cache: SceneResultCache, name: str) -> RandomDrawsResult:
-    """Return the contact loads of many random draws of the geometric errors of a built-in scene, computed once per report.
+def random_draws_of_built_in_scene(cache: SceneResultCache, name: str) -> RandomDrawsResult:
+    """Return the contact loads of many random draws of the geometric errors of the built-in scene ``name``.
 
-    ``cache``: cache of the report, which states the number of draws; ``name``: name of the scene.
+    ``cache``: cache of the report, which states the number of draws.
     """
-    return cache.compute_once(_solve_random_draws_of_scene, name)
-
-
-def _solve_random_draws_of_scene(cache: SceneResultCache, name: str) -> RandomDrawsResult:
-    """Solve many random draws of the geometric errors of the built-in scene ``name``; ``cache`` states how many."""
     return solve_random_draws(cache.built_in_scene(name), cache.random_draw_count)
 
 
@@ -287,18 +273,18 @@ def _tangent_step(scene: Scene, model: str) -> _TangentStep:
     return _TangentStep(changed, point, change, (section_of_nut(scene, result), point.at))
 
 
-def _solve_draws(scene: Scene, model: str, first: int, count: int, changed: bool) -> tuple[MemberLoads, tuple[str, ...]]:
+def _solve_draws(scene: Scene, model: str, first: int, count: int, changed: bool) -> RandomDrawsResult:
     """Solve many random draws of the geometric errors of a nut or bearing under its loads, or under changed ones.
 
     ``first``: number of the first draw; ``count``: number of draws; ``changed``: whether the loads are those of
-    `_tangent_step`. Returns solutions and statuses. Under changed loads the solutions under the scene's are the starting
+    `_tangent_step`. Under changed loads the solutions under the scene's are the starting
     points, where draws are solved together.
     """
     step = _tangent_step(scene, model)
     of, together = step.changed if changed else scene, None
     if model in LADDER and can_share_equations(of, LADDER[model]):
         together = _equations_shared_by_draws(scene, model, changed).solve(first, count)
-    return _complete_draws(of, model, first, count, step.sections, together)[:2]
+    return _complete_draws(of, model, first, count, step.sections, together)
 
 
 @lru_cache(maxsize=4)
@@ -354,10 +340,9 @@ def solve_block_of_random_draws(
     if isinstance(scene, Assembly):
         found = _solve_shaft_block_of_draws(scene, model, loads_without_errors, first, count)
         return RandomDrawBlock(*found, perf_counter() - start)
-    before, statuses = _solve_draws(scene, model, first, count, False)
-    tangents = _tangents_of_draws(scene, model, before, _solve_draws(scene, model, first, count, True)[0])
-    loads = before.loads
-    good = np.array([s == "converged" for s in statuses])
+    before = _solve_draws(scene, model, first, count, False)
+    tangents = _tangents_of_draws(scene, model, before, _solve_draws(scene, model, first, count, True))
+    loads, good = before.loads, before.converged
     loads[~good] = np.nan
     contacts = count_nominal_contacts(scene)
     mean = np.array([mean_load(load, contacts) for load in loads])
@@ -365,7 +350,7 @@ def solve_block_of_random_draws(
     lives = relative_life(loads, loads_without_errors, life.turning_ring(scene))
     kept = np.column_stack([loads.max(axis=(1, 2)), mean, tangents, lost, lives, before.residuals])
     kept[~good] = np.nan
-    return RandomDrawBlock(loads, kept, statuses, perf_counter() - start)
+    return RandomDrawBlock(loads, kept, before.statuses, perf_counter() - start)
 
 
 def _solve_shaft_block_of_draws(

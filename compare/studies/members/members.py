@@ -11,7 +11,6 @@ numbers per specimen, and one histogram per contact.
 from __future__ import annotations
 
 import csv
-import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -21,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
+from rollbench.compare.files import replaced_file
 from rollbench.compare.models.many import StoredIn, in_order, solve_many, stored_in
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import default_model_name, has_random_errors, model_by_name, run_model
@@ -230,25 +230,6 @@ def _check_ensemble_request(scene: Scene | Assembly, model: str, count: int) -> 
         raise InputError(scene.name, where, "no random error", "at least one standard deviation (sigma) above zero", advice)
 
 
-def ensemble_of_load_cases(
-    scene: Described, summaries: Sequence[EnsembleSummary], load_case_names: Sequence[str]
-) -> Ensemble:
-    """Return the statistics of many random draws, with those of each load case if there are several.
-
-    ``scene``: scene or duty cycle; ``summaries``: results for each load case; ``load_case_names``: names of the load cases,
-    empty for a scene without load cases.
-    """
-    each = [_ensemble_of_summary(batch) for batch in summaries]
-    if not load_case_names:
-        return each[0]
-    return Ensemble(
-        scene=scene.name,
-        members=min(one.members for one in each),
-        converged=min(one.converged for one in each),
-        cases=dict(zip(load_case_names, each, strict=True)),
-    )
-
-
 def solve_random_draws_of_load_cases(
     described: Described,
     name: str,
@@ -259,13 +240,13 @@ def solve_random_draws_of_load_cases(
     show_progress: Callable[[str], None],
     csv_out: Path | None = None,
     store: str | Path | None = None,
-) -> tuple[list[EnsembleSummary], list[str]]:
+) -> Ensemble:
     """Solve each load case of a scene for many random draws of its geometric errors (specimens).
 
     ``name``: file or name of the scene in error messages; ``count``: number of specimens; ``seed``: seed of the random
     errors, None for that of the scene; ``show_progress``: function that is called with each line of progress; ``csv_out``:
     file for the outputs of each specimen, or None; ``store``: folder in which solved blocks are looked up and stored, or
-    None. Returns the results for each load case, then the names of the load cases (none for a scene without load cases).
+    None. Returns the statistics, with those of each load case if there are several.
     Raises InputError for inputs that `solve_random_draws_of_scene` refuses.
     """
     if seed is not None and not 0 <= seed < 2**62:
@@ -274,7 +255,7 @@ def solve_random_draws_of_load_cases(
     scenes = [
         scene if seed is None else ensemble.with_error_seed(scene, seed) for scene in scenes_to_solve(described, name)
     ]
-    stored, each = stored_in(store, "members", model, scenes, count), list[EnsembleSummary]()
+    stored, each = stored_in(store, "members", model, scenes, count), list[Ensemble]()
     headings = [*(["case"] if cases else []), "member", "status", *ensemble.output_names_of_draw(scenes[0])]
     with _csv_row_writer(csv_out, headings) as write:
         for scene, head in zip(scenes, [[case] for case in cases] or [[]], strict=True):
@@ -285,8 +266,16 @@ def solve_random_draws_of_load_cases(
 
             one = model or default_model_name(scene)
             row = len(each) * count
-            each.append(solve_random_draws_of_scene(scene, one, count, engine, show_progress, write_row, stored, row))
-    return each, cases
+            found = solve_random_draws_of_scene(scene, one, count, engine, show_progress, write_row, stored, row)
+            each.append(_ensemble_of_summary(found))
+    if not cases:
+        return each[0]
+    return Ensemble(
+        scene=described.name,
+        members=min(one.members for one in each),
+        converged=min(one.converged for one in each),
+        cases=dict(zip(cases, each, strict=True)),
+    )
 
 
 @contextmanager
@@ -294,23 +283,15 @@ def _csv_row_writer(path: Path | None, names: Sequence[str]) -> Iterator[Callabl
     """Open a CSV file with the columns ``names``, and yield a function that writes a row to it.
 
     ``path``: the file; None: the function does nothing. The file appears under its name only when it is complete. Raises
-    ArgumentError if it cannot be written.
+    InputError if it cannot be written.
     """
     if path is None:
         yield lambda *_: None
         return
-    unfinished = path.with_name(f".{path.name}.part")
-    try:
-        with unfinished.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file)
-            writer.writerow(names)
-            yield writer.writerow
-        os.replace(unfinished, path)
-    except OSError as error:
-        reason, advice = error.strerror or str(error), "check the folder and its permissions"
-        raise ArgumentError("csv", reason, "a file that can be written", advice, str(path)) from None
-    finally:
-        unfinished.unlink(missing_ok=True)
+    with replaced_file(path) as unfinished, unfinished.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(names)
+        yield writer.writerow
 
 
 def _ensemble_of_summary(summary: EnsembleSummary) -> Ensemble:

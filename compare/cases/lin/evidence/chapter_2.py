@@ -13,7 +13,7 @@ from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import PRINTED
 from rollbench.compare.models.study import SceneResultCache, with_conformity
 from rollbench.compare.printed import printed_entry, printed_value
-from rollbench.compare.studies.members.ensemble import cached_random_draws_of_scene
+from rollbench.compare.studies.members.ensemble import random_draws_of_built_in_scene
 from rollbench.lowfi.statics.contacts import hertz_without_errors, misprinted_hertz_of_flanks
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -413,7 +413,9 @@ def _check_random_error_claims(cache: SceneResultCache, findings: ComputedEntryV
     ``cache``: gives the solved scenes and the randomly drawn screws; ``findings``: receives the results.
     """
     base = cache.solve_once("lin-case1").load
-    random, combined = (cached_random_draws_of_scene(cache, name).loads for name in ("lin-random", "lin-combined"))
+    random, combined = (
+        cache.compute_once(random_draws_of_built_in_scene, name).loads for name in ("lin-random", "lin-combined")
+    )
     kept = np.array([is_two_point_contact(load) for load in random])
     findings.add_claim("random_two_point", bool(kept.mean() > SEEN), f"holds in {count_in_words(kept)} drawn screws")
     changed = np.array([load_error(load, base).max_percent for load in random])

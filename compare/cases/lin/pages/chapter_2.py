@@ -22,7 +22,7 @@ from rollbench.compare.models.study import SceneResultCache, with_conformity
 from rollbench.compare.printed import printed_entry, printed_value
 from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel, lateral_displacement_curves
-from rollbench.compare.studies.members.ensemble import RandomDrawsResult, cached_random_draws_of_scene
+from rollbench.compare.studies.members.ensemble import RandomDrawsResult, random_draws_of_built_in_scene
 from rollbench.lowfi.as_source.newton import solve_lin_equations_with_fallback
 from rollbench.lowfi.statics.contacts import hertz_without_errors, misprinted_hertz_of_flanks
 from rollbench.lowfi.statics.result import StaticResult
@@ -304,7 +304,7 @@ def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
     ensembles = {}
     for name in ("lin-random", "lin-combined"):
         step(f"{cache.built_in_scene(name).members} drawn screws of {name}")
-        ensembles[name] = cached_random_draws_of_scene(cache, name)
+        ensembles[name] = cache.compute_once(random_draws_of_built_in_scene, name)
     random, combined = ensembles["lin-random"], ensembles["lin-combined"]
     one, all_three = cache.solve_once("lin-random"), cache.solve_once("lin-combined")
     left = contact_load_panel(
