@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,13 +26,46 @@ from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
 
-Take = partial[float]
+
+class StudiedQuantity(NamedTuple):
+    """Quantity that a mesh study compares between the solutions of the 3D reference."""
+
+    #: Name and unit.
+    name: str
+    unit: str
+    #: Function that reads the value from a solution.
+    value: Callable[[Run], float]
+    #: Numbers of ball and flank, from 0, if it is the load of a contact on the finest level; None for a displacement.
+    contact: tuple[int, int] | None
+
 
 #: A mesh level is advised only if its mesh uncertainty is at most this share of that of the coarser level advised before.
 CLEARLY = 0.8
 
 #: Remark on contact loads, for which no order of convergence is given.
 SCATTERS = "no order: contact loads scatter from mesh to mesh"
+
+
+def studied_quantities(run: Run) -> Iterator[StudiedQuantity]:
+    """Yield the quantities that a mesh study compares.
+
+    ``run``: solution of the 3D reference on the finest level, which determines the balls, flanks and axial positions, and
+    which contact has the largest or smallest load of a flank.
+    """
+    for s, side in enumerate(SIDES):
+        if not (run.load[:, s] > 0.0).any():
+            continue
+        for word, sign in (("largest", 1.0), ("smallest", -1.0)):
+            extreme = int((sign * run.load[:, s]).argmax()), s
+            yield StudiedQuantity(f"{word} load, {side}", "N", partial(_extreme_flank_load, s, sign), extreme)
+        for i in range(len(run.load)):
+            name = f"load of ball {i + 1}, {side}"
+            yield StudiedQuantity(name, "N", lambda of, at=(i, s): float(of.load[at]), (i, s))  # type: ignore[misc]
+    for k in sorted({0, len(run.centreline) // 2}):
+        for axis, name in enumerate("xyz", 1):
+            of_axis = f"centreline u{name} at {1e3 * run.centreline[k, 0]:.4g} mm"
+            at = k, axis
+            yield StudiedQuantity(of_axis, "um", lambda of, at=at: float(1e6 * of.centreline[at]), None)  # type: ignore[misc]
 
 
 def _extreme_flank_load(side: int, sign: float, run: Run) -> float:
@@ -42,45 +75,6 @@ def _extreme_flank_load(side: int, sign: float, run: Run) -> float:
     largest load, -1 for the smallest; ``run``: the solution.
     """
     return float(sign * (sign * run.load[:, side]).max())
-
-
-def _contact_load_of_ball(ball: int, side: int, run: Run) -> float:
-    """Return the load of one ball on one flank by a solution of the 3D reference [N].
-
-    ``ball``: number of the ball from 0; ``side``: number of the flank, 0 to 3 for SL, SR, NL, NR (screw left and right, nut
-    left and right); ``run``: the solution.
-    """
-    return float(run.load[ball, side])
-
-
-def _centreline_displacement(station: int, axis: int, run: Run) -> float:
-    """Return one component of the displacement of the screw's centreline by a solution of the 3D reference [um].
-
-    ``station``: number of an axial position that the solutions on all mesh levels share; ``axis``: 0, 1, 2 for x, y, z;
-    ``run``: the solution.
-    """
-    return float(1e6 * run.centreline[station, 1 + axis])
-
-
-def mesh_study_quantities(run: Run) -> list[tuple[str, str, Take]]:
-    """Return the quantities that a mesh study compares: name, unit, and a function that reads the value from a solution.
-
-    ``run``: a solution of the 3D reference, which determines the balls, flanks and axial positions.
-    """
-    out: list[tuple[str, str, Take]] = []
-    for s, side in enumerate(SIDES):
-        if (run.load[:, s] > 0.0).any():
-            balls = [partial(_contact_load_of_ball, i, s) for i in range(len(run.load))]
-            out += [
-                (f"largest load, {side}", "N", partial(_extreme_flank_load, s, 1.0)),
-                (f"smallest load, {side}", "N", partial(_extreme_flank_load, s, -1.0)),
-                *((f"load of ball {i}, {side}", "N", take) for i, take in enumerate(balls, 1)),
-            ]
-    for k in sorted({0, len(run.centreline) // 2}):
-        for axis, name in enumerate("xyz"):
-            z = 1e3 * run.centreline[k, 0]
-            out.append((f"centreline u{name} at {z:.4g} mm", "um", partial(_centreline_displacement, k, axis)))
-    return out
 
 
 def reference_from_stored_runs(
@@ -227,19 +221,18 @@ def mesh_study_table_of_reference(
     """
     runs, table = reference.runs, list[MeshQuantity]()
     levels = tuple(run.level for run in runs)
-    shown = [(name, unit, take) for name, unit, take in mesh_study_quantities(runs[-1]) if any(take(r) for r in runs)]
-    lines = [take for _, _, take in shown if take.func is _centreline_displacement]
-    of_two: dict[Take, float] = {}
+    shown = [x for x in studied_quantities(runs[-1]) if any(x.value(r) for r in runs)]
+    lines = [x for x in shown if x.contact is None]
+    of_two: dict[str, float] = {}
     if len(runs) == 2 and lines:  # each alone may agree by chance
-        bars = pooled_grid_uncertainty([[take(r) for take in lines] for r in runs], reference.sizes)
-        of_two = dict(zip(lines, bars.tolist(), strict=True))
-    for name, unit, take in shown:
+        bars = pooled_grid_uncertainty([[x.value(r) for x in lines] for r in runs], reference.sizes)
+        of_two = dict(zip((x.name for x in lines), bars.tolist(), strict=True))
+    for name, unit, take, contact in shown:
         values = tuple(take(r) for r in runs)
         further = dict[str, Any]()
         if len(runs) >= 2:
-            contact = _ball_and_flank_of_quantity(take, runs[-1])
             observed = grid_convergence(values, reference.sizes) if contact is None else None
-            bar = of_two.get(take, observed.uncertainty) if observed else float(reference.uncertainty[contact])
+            bar = of_two.get(name, observed.uncertainty) if observed else float(reference.uncertainty[contact])
             if observed:
                 further = {"order": observed.credible_order, "extrapolated": observed.extrapolated_value}
             further |= {"uncertainty": bar, "kind": observed.kind_text if observed else SCATTERS}
@@ -249,20 +242,6 @@ def mesh_study_table_of_reference(
             further["scene_choices"] = max((m for v, m in moves.items() if VARIANTS[v].kind == "scene"), default=None)
         table.append(MeshQuantity(name, unit, levels, values, **further))
     return table
-
-
-def _ball_and_flank_of_quantity(quantity_of_run: Take, finest_run: Run) -> tuple[int, int] | None:
-    """Return the numbers of ball and flank, from 0, if a mesh-study quantity is a contact load; None for a displacement.
-
-    ``quantity_of_run``: function that reads the quantity from a solution; ``finest_run``: solution on the finest mesh
-    level, which decides which contact has the largest or smallest load of a flank.
-    """
-    if quantity_of_run.func is _contact_load_of_ball:
-        return quantity_of_run.args[0], quantity_of_run.args[1]
-    if quantity_of_run.func is not _extreme_flank_load:
-        return None
-    side, sign = quantity_of_run.args
-    return int((sign * finest_run.load[:, side]).argmax()), side
 
 
 def _combined_choice_effect(changes_by_variant: Mapping[str, float]) -> float | None:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +22,7 @@ from rollbench.compare.reference import store as run_store
 from rollbench.compare.reference.convergence import Convergence, grid_convergence
 from rollbench.compare.results.mesh_study import MeshLevel, MeshQuantity, MeshStudy
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
+from rollbench.compare.studies.run_times import utc_date_today
 from rollbench.lowfi import rollers
 from rollbench.lowfi.hertz import contact_modulus
 from rollbench.meshes.axis import Assembly, RollerRow
@@ -198,28 +198,16 @@ def load_or_compute_roller_run(
         versions=run_store.program_versions() | {"rollbench": now.version},
         sources=now.sources,
         machine=now.machine,
-        date=datetime.now(UTC).date().isoformat(),
+        date=utc_date_today(),
     )
     replace_file(stores[0] / roller_run_file_name(roller, level), run_store.run_text_with_checksum(asdict(run)))
     return run
 
 
-@dataclass(frozen=True)
-class ApproachAndStiffness:
-    """Approach and stiffness of one roller between its races under a load by two low-order laws, in SI units."""
+def approach_and_stiffness_by_laws(row: RollerRow, load: float) -> dict[str, tuple[float, float]]:
+    """Return approach [m] and stiffness [N/m] of a roller pressed between its races, by the name of the low-order law.
 
-    #: Approach of the races by the slice model, which every low-order solution uses [m].
-    approach: float
-    #: Stiffness by the slice model [N/m].
-    stiffness: float
-    #: Approach of the races by the load-deflection law of ISO/TS 16281 for steel [m].
-    norm_approach: float
-    #: Stiffness by the load-deflection law of ISO/TS 16281 for steel [N/m].
-    norm_stiffness: float
-
-
-def approach_and_stiffness_by_laws(row: RollerRow, load: float) -> ApproachAndStiffness:
-    """Return approach and stiffness of a roller pressed between its races, by two low-order laws.
+    The laws are the slice model, which every low-order solution uses, and the spring of ISO/TS 16281 for steel.
 
     ``row``: bearing row of the roller; ``load``: force that presses it between the races [N].
     """
@@ -229,7 +217,7 @@ def approach_and_stiffness_by_laws(row: RollerRow, load: float) -> ApproachAndSt
     deflection = sliced.deflection(load * row.count * tilt)
     norm = 1e-3 * (load / (NORM * (1e3 * row.length) ** (8.0 / 9.0))) ** 0.9
     stiffness = sliced.stiffness(deflection) / (row.count * tilt**2)
-    return ApproachAndStiffness(float(deflection * tilt), float(stiffness), norm, load / (0.9 * norm))
+    return {"low_order": (float(deflection * tilt), float(stiffness)), "norm": (norm, load / (0.9 * norm))}
 
 
 def line_contact_pressures(row: RollerRow, line_loads: Sequence[float]) -> list[float]:
@@ -272,10 +260,10 @@ def roller_quantities(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) -> 
         rows.append(MeshQuantity(name, unit, levels, values, *observed, by_laws=by_laws))
 
     for k, load in enumerate(runs[-1].load):
-        low = approach_and_stiffness_by_laws(roller.roller_row, load)
-        at, approach, stiffness = f"under {load:.4g} N", [r.approach[k] for r in runs], [r.stiffness[k] for r in runs]
-        add_row(f"approach {at}", "um", 1e6, approach, low_order=low.approach, norm=low.norm_approach)
-        add_row(f"stiffness {at}", "N/um", 1e-6, stiffness, low_order=low.stiffness, norm=low.norm_stiffness)
+        low, at = approach_and_stiffness_by_laws(roller.roller_row, load), f"under {load:.4g} N"
+        for i, (name, unit, scale) in enumerate((("approach", "um", 1e6), ("stiffness", "N/um", 1e-6))):
+            found = [getattr(r, name)[k] for r in runs]
+            add_row(f"{name} {at}", unit, scale, found, **{law: of[i] for law, of in low.items()})
     hertz = line_contact_pressures(roller.roller_row, runs[-1].middle_line_load[0])
     for i, race in enumerate(RACES):
         add_row(f"middle line load, {race}", "N/mm", 1e-3, [r.middle_line_load[0][i] for r in runs])
@@ -368,8 +356,7 @@ def compute_runs_of_roller_kinds(
 def low_order_error_sentence(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) -> str:
     """Return sentences on the errors of two low-order laws for a roller against its 3D solution on the finest mesh."""
     low, best = approach_and_stiffness_by_laws(roller.roller_row, roller.largest_load), runs[-1]
-    off = float(error_percent(low.stiffness, best.stiffness[0]))
-    norm = float(error_percent(low.norm_stiffness, best.stiffness[0]))
+    off, norm = (float(error_percent(low[law][1], best.stiffness[0])) for law in ("low_order", "norm"))
     hertz = line_contact_pressures(roller.roller_row, best.middle_line_load[0])
     middle = max(abs(float(error_percent(p, h))) for p, h in zip(best.middle_pressure, hertz, strict=True))
     return (
