@@ -84,7 +84,7 @@ STRICT = [
 @pytest.mark.parametrize(("name", "old", "new", "said"), STRICT)
 def test_strict_ends_with_1_where_a_line_stands_above_the_answers(name, old, new, said, scene_file, command, monkeypatch):
     file = scene_file(catalogue.shipped_scene_text(name), (old, new))
-    found = friction_answer.solve_friction_of_named_scene(str(file), FrictionChoices(mu=(0.1,)))
+    found = friction_answer.solve_friction_of_named_scene(str(file), FrictionChoices("lin", mu=(0.1,)))
     monkeypatch.setattr(friction_answer, "solve_friction_of_named_scene", lambda *_: found)
     for strict in (False, True):
         code, data = command.json("friction", name, "--mu", "0.1", "--json", *(["--strict"] if strict else []))

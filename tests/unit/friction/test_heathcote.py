@@ -17,13 +17,6 @@ from rollbench.meshes.parts import Friction, Motion
 MU, TURN = Friction(0.1, 0.1, feedback=False), Motion(10.0)
 
 
-def test_pressure_sums_up_to_one_with_its_second_moment():
-    x, z, mass = heathcote.hertz_pressure_quadrature()
-    assert mass.sum() == pytest.approx(1.0, rel=1e-12)
-    assert mass @ x**2 == pytest.approx(0.2, rel=1e-3)
-    assert mass @ z**2 == pytest.approx(0.2, rel=1e-3)
-
-
 def rolling(slender, a=2e-3, curve=7.0):
     """One contact of a body that may slide along the path and must roll."""
     x, z, _ = heathcote.hertz_pressure_quadrature()

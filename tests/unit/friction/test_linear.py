@@ -6,28 +6,13 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 from scipy.special import ellipe
-from tests import linear_chain_oracle
-from tests.friction_oracles import dissipated_power
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.contact.laws import contacts_from_values
 from rollbench.lowfi.friction.linear import bearing as linear_bearing
 from rollbench.lowfi.friction.linear import chain
 from rollbench.lowfi.friction.screw.chain import solve_motion_of_chain
 
 BEARING = source_cases.linear_pair_scene().bearing
-
-
-@pytest.mark.parametrize("conformity", [0.505, 0.52, 0.6, 0.95])
-@pytest.mark.parametrize("c", [0.0, 0.2, -0.7, 0.999, 1.0001, -3.0, 1e5])
-def test_contact_law_against_the_closed_form(c, conformity):
-    """The cubic inside the ellipse against confocal coordinates and Carlson integrals; c: point of no slip over a."""
-    shape = linear_chain_oracle.contact_friction_constants(replace(BEARING, conformity=conformity))
-    for w in (1.0, -2.0):
-        d = dissipated_power(contacts_from_values(1.0, shape[0], 1.0, 1.0), np.array([[0.0, c * w, w]]))
-        f, m, *bend = linear_chain_oracle.slide_and_spin_friction(c * w, w, shape)
-        assert (c * w * f + w * m, f, m) == pytest.approx((d.power[0], *d.gradient[0, 1:]), rel=1e-9, abs=1e-9)
-        assert bend == pytest.approx(d.hessian[0, [1, 1, 2], [1, 2, 2]], rel=1e-6, abs=1e-9)
 
 
 def linear_balance(bearing, angles, loads, x, force, k_f):
@@ -131,19 +116,3 @@ def test_mated_grooves_take_the_dependence_on_load_away():
     np.testing.assert_array_equal(mated, [-0.02, 0.02, -0.02, 0.02])
     assert chain.pair_results_by_formulas(BEARING, 0.03, -0.6, 100.0, 1.4, mated=True)[:2] == (0.0, 0.0)
     assert chain.pair_results_by_formulas(BEARING, 0.03, -0.6, 100.0, 1.4)[1] > 1.0
-
-
-BAD = {"ball_radius": 0.0, "conformity": 0.5, "contact_angle": 1.6, "mu": -0.1, "mu_balls": -0.1, "young": -1.0}
-
-
-@pytest.mark.parametrize(("name", "value"), [*BAD.items(), ("poisson", 0.6), ("speed", np.inf)])
-def test_bad_bearings_are_refused(name, value):
-    with pytest.raises(ValueError, match=r"must|finite"):
-        replace(BEARING, **{name: value})
-
-
-def test_bad_values_are_refused():
-    with pytest.raises(ValueError, match="two opposite contacts would have to pull"):
-        linear_bearing.loads_equal_on_diagonals(1.0, np.array(1.1))
-    with pytest.raises(ValueError, match="semi-axes must lie"):
-        chain.prepare_linear_chain(replace(BEARING, conformity=0.5 + 1e-7), np.zeros((1, 4)), np.zeros((1, 4)))

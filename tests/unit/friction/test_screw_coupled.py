@@ -14,14 +14,7 @@ from rollbench.lowfi.friction.screw.run import BOTH, Pair, solve_pair_of_screw_b
 FOLD = (0.0011870711354544847, 1.1600932507239492e-07, (2.7421699016943855, 0.6621765470335923), 0.06644672659308906)
 #: Load [N], clearance [m], deviations [deg], mu at which rounds of loads and friction run away: friction carries the
 #: ball aside until it is wedged, under a hundred times the load and more.
-WEDGED = (
-    (0.0101375, 2.33636e-7, (3.0, 1.45), 0.0883),
-    (0.0071, 2.48e-6, (2.56, -2.04), 0.0521),
-    (0.00192, 5.04e-6, (4.78, -2.56), 0.218),
-    (0.00469, 2.65e-6, (-2.07, 4.0), 0.258),
-    (0.00199, 7.74e-6, (0.31, -3.74), 0.164),
-    FOLD,
-)
+WEDGED = ((0.0101375, 2.33636e-7, (3.0, 1.45), 0.0883), (0.00192, 5.04e-6, (4.78, -2.56), 0.218), FOLD)
 
 
 def out_of_balance(pair: Pair, state: coupled.CoupledChainSolution) -> float:
@@ -69,7 +62,7 @@ def test_one_system_gives_what_rounds_give(make, coupling: str) -> None:
     assert found.ball_force == pytest.approx(rounds.motion.ball_force, abs=1e-8 * scale)
 
 
-@pytest.mark.parametrize(("coupling", "count"), [("none", 25), ("ball", 60), ("ball and screw", 40)])
+@pytest.mark.parametrize(("coupling", "count"), [("none", 10), ("ball", 20), ("ball and screw", 12)])
 def test_random_pairs_converge(coupling: str, count: int) -> None:
     """Loads 1 mN to 100 kN, clearances 0.1 to 10 um, a third with preload, deviations to 5 deg, mu 0.001 to 0.5."""
     rng = np.random.default_rng(7)
@@ -98,7 +91,7 @@ def test_a_floating_ball_may_wedge_itself() -> None:
     load = floats.loads_with_friction.force.sum(axis=1)
     assert load[1] < 1e-9 * load[0]
     found, rng, cell = [], np.random.default_rng(1), pair.balls_with_loads()
-    for _ in range(40):
+    for _ in range(12):
         push = np.array([[0.0, 0.0], 0.01 * rng.normal(size=2)])
         guess = coupled.IterationStart(push, np.zeros(1), floats.motion.q, np.zeros(2))
         found.append(coupled.solve_coupled_chain(cell, np.full(2, np.inf), "ball", None, 100, guess))

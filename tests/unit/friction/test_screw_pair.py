@@ -17,7 +17,6 @@ SCREW = source_cases.screw_groove()
 TWO = np.radians(2.0)
 PAIR = source_cases.oversized_pair(TWO)
 BACK = replace(SCREW, nut_speed=-SCREW.nut_speed)
-FLIP = [1, 0, 3, 2]  # SL <-> SR, NL <-> NR
 
 
 def open_chain(screw, force, angle) -> ScrewBallChain:
@@ -50,16 +49,6 @@ def test_pair_in_equilibrium(make, coupling: str) -> None:
         force = t.motion.wrench[k, :, :3].sum(axis=0) + pushed - t.loads_with_friction.force[k] @ n[k]
         seen = force if coupling != "none" else force[[1]]
         assert np.abs(seen).max() < 1e-7 * t.loads_with_friction.force.sum()
-
-
-def test_swapped_balls() -> None:
-    """Half a turn about x3 swaps the balls, left and right, and reverses the motion and the axial force."""
-    one = run.solve_pair_of_screw_balls(PAIR)
-    two = run.solve_pair_of_screw_balls(replace(PAIR, groove=BACK, theta=(TWO, 0.0), force=(-50.0,)))
-    assert two.force == pytest.approx(one.force, rel=1e-9)
-    assert two.friction_increase == pytest.approx(one.friction_increase, rel=1e-9)
-    loss = two.touching.motion.groove_loss[::-1][:, FLIP]
-    assert loss == pytest.approx(one.touching.motion.groove_loss, rel=1e-7)
 
 
 def test_reversed_motion_parts_the_pair() -> None:
@@ -111,7 +100,7 @@ def many(name: str, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("load", [2e-5, 1.0, 2e3])
-@pytest.mark.parametrize(("name", "count"), [("four", 2), ("four", 10), ("four", 60), ("four", 200), ("two", 30)])
+@pytest.mark.parametrize(("name", "count"), [("four", 2), ("four", 60), ("two", 30)])
 def test_chains_converge(name: str, count: int, load: float) -> None:
     """Four contacts; and two with balls without load, as roundness errors make them: some contacts stick there."""
     force, angle = many(name, count)
@@ -135,20 +124,6 @@ def test_maps_over_the_assumptions_hold_the_pair_whose_losses_grow_with_the_coef
     one, slippery = (run.solve_pair_of_screw_balls(replace(PAIR, groove=replace(SCREW, mu=mu))) for mu in (0.1, 0.001))
     assert over[1][1].force == pytest.approx(one.force, rel=1e-9)
     assert slippery.apart.motion.loss == pytest.approx(0.01 * one.apart.motion.loss, rel=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("change", "match"),
-    [
-        ({"groove_radius": 1e-3}, "ball, groove and pitch radius"),
-        ({"contact_angle": 0.0}, "contact angle"),
-        ({"mu": -0.1}, "mu"),
-        ({"pitch_radius": 3.2e-3, "lead": 0.0}, "too large"),
-    ],
-)
-def test_bad_input(change, match) -> None:
-    with pytest.raises(ValueError, match=match):
-        replace(SCREW, **change).pair  # noqa: B018
 
 
 def test_the_load_that_a_force_and_its_losses_imply_is_the_one_whose_losses_they_are() -> None:

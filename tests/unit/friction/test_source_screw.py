@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.lin_root_oracle import lin_start_from_rollbench_solution, solve_screw_pair_by_root
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.as_source import screw
-from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law, solve_screw_contact_loads
-from rollbench.lowfi.friction.screw.run import Run, simulate_equal_steps, solve_pair_of_screw_balls
+from rollbench.lowfi.friction.screw.motion import solve_screw_contact_loads
+from rollbench.lowfi.friction.screw.run import Run, simulate_equal_steps
 
 TWO = np.radians(2.0)
 PAIR, PRINTED = source_cases.oversized_pair(TWO), source_cases.pair_as_printed(TWO)
@@ -37,42 +36,6 @@ def test_loads_that_are_not_found_are_not_converged():
     away = screw.starting_positions(cell)
     lost = replace(away, screw_displacements=-away.screw_displacements)  # off the flanks: nothing has stiffness
     assert not screw.solve_contact_loads_by_root(cell, lost).converged
-
-
-@pytest.mark.parametrize("theta", [1.0, 3.0])
-def test_pair_at_given_loads_is_ours(theta):
-    pair = source_cases.oversized_pair(np.radians(theta))
-    ours, found = solve_pair_of_screw_balls(pair), solve_screw_pair_by_root(pair)
-    assert found.motion.status == "exact"
-    assert found.motion.ball_force[0] == pytest.approx(ours.force, rel=1e-8)
-    np.testing.assert_allclose(found.motion.motions_without_ball_forces, ours.apart.motion.q, atol=1e-8)
-    np.testing.assert_allclose(found.motion.ball_motions, ours.touching.motion.q, atol=1e-8)
-    assert found.motion.loss == pytest.approx(ours.touching.motion.loss, rel=1e-8)
-
-
-def test_pair_goes_to_ours_as_the_sigmoid_sharpens():
-    """Contacts spin with about four times the reference: friction lacks 1 - tanh(2 k_S), the force about as much."""
-    ours = solve_pair_of_screw_balls(PAIR).force
-    for k in (1.0, 1.5, 2.0, 3.0):
-        law, lacking = lin_sigmoid_law(PAIR.groove, k), 1.0 - np.tanh(2.0 * k)
-        off = abs(solve_screw_pair_by_root(PAIR, law).motion.ball_force[0] / ours - 1.0)
-        assert 0.5 * lacking < off < 1.5 * lacking
-
-
-@pytest.mark.parametrize("theta", [1.0, 2.0, 3.0])
-def test_coupled_pair_has_ours_as_a_root(theta):
-    """Ten equations a ball and one of contact hold where loads and friction agree by our own way (3.71, 3.75-3.77)."""
-    pair = source_cases.pair_as_printed(np.radians(theta))
-    ours = solve_pair_of_screw_balls(pair)
-    starts = (lin_start_from_rollbench_solution(ours, touching) for touching in (False, True))
-    found = solve_screw_pair_by_root(pair, None, *starts)
-    assert found.motion.status == "exact"
-    assert found.motion.ball_force[0] == pytest.approx(ours.force, rel=1e-7)
-    np.testing.assert_allclose(found.force, ours.touching.loads_with_friction.force, atol=1e-6)
-    np.testing.assert_allclose(found.motion.motions_without_ball_forces, ours.apart.motion.q, atol=1e-6)
-    assert found.motion.loss == pytest.approx(ours.touching.motion.loss, rel=1e-7)
-    frictionless = screw.solve_contact_loads_by_root(pair.balls_with_loads())
-    assert np.abs(found.force - frictionless.force).max() > 1.0
 
 
 def test_run_is_ours_until_balls_meet_and_near_it_after():

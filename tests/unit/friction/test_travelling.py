@@ -1,13 +1,11 @@
 """Compliance of bodies between balls that travel: parabolas through three places in place of each place by itself."""
 
 import numpy as np
-import pytest
 from tests.helpers import small_screw
 
 from rollbench.lowfi.compliance.between import contact_points_and_axes
-from rollbench.lowfi.compliance.bodies import compliance_between_contacts
 from rollbench.lowfi.compliance.parts import REFINED
-from rollbench.lowfi.friction.whole.run import APART, WINDOW, TravellingCompliance
+from rollbench.lowfi.friction.whole.run import WINDOW, TravellingCompliance
 from rollbench.lowfi.statics.nominal import contact_loads
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, ball_layout_at_positions, lead_per_radian
@@ -19,23 +17,6 @@ def moved(by, scene=SCENE, apart=0.0):
     start, track = ball_layout(scene), scene.track
     turned = by + apart * np.linspace(-1.0, 1.0, start.z.size)
     return ball_layout_at_positions(track, start.azimuth + turned, start.z + lead_per_radian(track) * turned)
-
-
-@pytest.mark.parametrize("screw", [True, False])
-def test_between_the_places_of_a_window_the_compliance_is_that_of_the_place(screw):
-    travelling = TravellingCompliance(WINDOW)
-    for share in (0.0, 0.2, 0.45, 0.9, 1.5):
-        place = moved(share * WINDOW)
-        exact, found = (f(SCENE, place, screw, REFINED, (0, 1)) for f in (compliance_between_contacts, travelling))
-        assert found == pytest.approx(exact, abs=2e-4 * np.abs(exact).max())
-        assert np.array_equal(found, exact) == (share in (0.0, 1.5)), "a window begins with the place itself"
-
-
-def test_balls_that_leave_each_other_begin_a_window_of_their_own():
-    travelling = TravellingCompliance(-WINDOW)
-    for apart, windows in ((0.0, 1), (0.5 * APART, 1), (2.0 * APART, 2)):
-        travelling(SCENE, moved(-0.3 * WINDOW, apart=apart), False, REFINED, (0, 1))
-        assert len(*travelling.windows.values()) == windows
 
 
 def test_a_window_ends_before_a_ball_passes_the_nuts_face():

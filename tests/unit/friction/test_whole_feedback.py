@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.friction_oracles import ball_cell, coupled_ball
 from tests.friction_runs import setting
-from tests.helpers import mirrored, small_screw, solved
+from tests.helpers import small_screw, solved
 from tests.whole_screws import MU, SCENES, TURN, scene_of, single, state
 
 from rollbench.compare.cases.lin.evidence.source_cases import screw_groove
@@ -132,17 +132,6 @@ def test_feedback_keeps_the_load_of_contacts_past_the_apex():
     assert np.any((found.contacts.angle < -0.05) & (found.contacts.force > 0.0))
     assert not found.unsettled_balls
     assert found.friction_sums.axial_load == pytest.approx(300.0, rel=1e-5)
-
-
-def test_feedback_mirrors_reverses_and_leaves_rings_alone():
-    scene = small_screw(5, 0.9, oversize=4e-6, force=(60.0, 25.0, 500.0))
-    one, other = state(scene, COUPLED).friction_sums, state(mirrored(scene), COUPLED, Motion(-10.0)).friction_sums
-    back = state(scene, COUPLED, Motion(-10.0)).friction_sums
-    assert other.friction_torque == pytest.approx(one.friction_torque, rel=1e-6)
-    assert (back.power, back.reverse_power) == pytest.approx((one.reverse_power, one.power), rel=1e-9)
-    assert (back.forward_torque, back.backward_torque) == pytest.approx((one.forward_torque, one.backward_torque), rel=1e-6)
-    assert not state(SCENES["ring"](), COUPLED).friction_changes_loads
-    assert not state(scene, Friction(0.0, 0.0, (), True)).friction_changes_loads
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 from tests import whole_screws
 from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
-from tests.helpers import mirrored, small_screw, solved
+from tests.helpers import small_screw, solved
 from tests.whole_screws import contacts_in, scene_of
 
 from rollbench.compare.cases.lin.evidence.source_cases import simulation_inputs
@@ -17,11 +17,11 @@ from rollbench.lowfi.friction.screw.chain import screw_ball_chain, solve_motion_
 from rollbench.lowfi.friction.screw.motion import solve_screw_contact_loads
 from rollbench.lowfi.friction.screw.run import balls_at_instant
 from rollbench.lowfi.friction.screw.travel import simulate
-from rollbench.lowfi.friction.whole.circuit import balls_in_circuits, grooves_of_scene, solve_motion_on_track
+from rollbench.lowfi.friction.whole.circuit import grooves_of_scene, solve_motion_on_track
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.statics.nominal import contact_loads
 from rollbench.lowfi.statics.static import solve_elastic, solve_static
-from rollbench.meshes.errors import draw_errors, draw_geometry_with_errors
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, lead_per_radian
 from rollbench.meshes.parts import BallErrors, Circulation, Errors, FourierTerm, Friction, Load, Motion, SideErrors
 
@@ -88,16 +88,6 @@ def test_friction_that_moves_balls_is_that_of_the_instant():
     moved, given = (simulate(setting(scene, f), 1e-7, 2).torque[0] for f in (friction, MU))
     assert moved == pytest.approx(found, rel=1e-5)
     assert moved > 1.2 * given, "two-point contact"
-
-
-def test_left_hand_is_the_mirrored_right_hand():
-    scene = replace(crowded(), errors=Errors(balls=WAVES.balls), circulation=Circulation())
-    one = simulate(setting(scene), 0.1, 10)
-    other = simulate(setting(mirrored(scene), motion=Motion(-10.0)), 0.1, 10)
-    assert (one.ball_force > 0.0).any()
-    assert other.torque == pytest.approx(one.torque, rel=1e-8)
-    assert other.omega[:, ::-1] == pytest.approx(-one.omega, rel=1e-7)
-    assert other.ball_force[:, -2::-1] == pytest.approx(one.ball_force[:, :-1], rel=1e-6, abs=1e-6)
 
 
 def test_turning_nut_is_a_turning_screw_seen_from_it():
@@ -181,12 +171,6 @@ def test_loads_again_are_those_of_a_single_solution():
         found, expected = contact_loads(scene, draw_geometry_with_errors(scene, layout), layout, backend), once(scene)
         assert found.load == pytest.approx(expected.load, rel=1e-9, abs=1e-6)
         assert np.allclose(found.contact_angle, expected.contact_angle, rtol=1e-9, equal_nan=True)
-
-
-def test_balls_that_overlap_are_refused():
-    drawn = draw_errors(crowded())
-    with pytest.raises(ValueError, match="overlap"):
-        balls_in_circuits(crowded(), MU, TURN, replace(drawn, ball_radii=drawn.ball_radii + 20e-6))
 
 
 def test_a_run_ends_where_loads_are_not_found():

@@ -26,7 +26,6 @@ COARSE = replace(SMALL, b_over_h=1.0, semi=(0.9e-3, 0.2e-3), reach=(1.1e-3, 0.2e
     [
         pytest.param(0.01, None, (10e-6, 30e-6), (0, 3), 0.03, id="radial"),
         pytest.param(6.0, "+z", (8e-6, 5e-6), (0, 3), 0.05, id="thrust upwards"),
-        pytest.param(6.0, "-z", (8e-6, -5e-6), (1, 2), 0.05, id="thrust downwards"),
     ],
 )
 def test_loads_are_those_of_elastic_rings(contact_angle, arcs, moved, sides, close) -> None:

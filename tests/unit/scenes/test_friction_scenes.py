@@ -10,18 +10,13 @@ from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.cases.lin.kinds.friction import SOLVERS
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.lowfi.friction import bearing
-from rollbench.lowfi.friction.bearing import SIDES, Bearing, solve_ball_by_lin_method, solve_ball_of_bearing
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
-from rollbench.lowfi.friction.linear.chain import carriage_drive_force, prepare_linear_chain, solve_pair_of_linear_balls
+from rollbench.lowfi.friction.linear.chain import prepare_linear_chain
 from rollbench.lowfi.friction.screw.chain import solve_motion_of_chain
-from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law
-from rollbench.lowfi.friction.screw.run import SHIFTED, solve_pair_of_screw_balls, summarise_screw_run
-from rollbench.lowfi.friction.screw.travel import simulate
+from rollbench.lowfi.friction.screw.run import SHIFTED
 
-ROTARY = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 0.0, 20.0 * np.pi)
 LINEAR = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
 WAYS = "friction_torque_Nmm", "driving_torque_on_screw_Nmm"
-U_Y = {"1": 0.0, "2": 5.2e-6, "3": 8.0e-6}
 #: Few steps of the run, up to the first contacts.
 SHORT = (("steps = 200", "steps = 40"), ('duration = "2 s"', 'duration = "300 ms"'))
 FEW = (
@@ -45,22 +40,6 @@ def test_every_shipped_scene_converges_and_balances_power():
         answer = solved(name)
         assert answer.converged, name
         assert abs(answer.as_json()["energy"]["balance_percent"]) < (0.2 if name.endswith("printed") else 1e-8), name
-
-
-@pytest.mark.parametrize("case", list(U_Y))
-@pytest.mark.parametrize("printed", [False, True])
-def test_rotary_scenes_are_the_library_s(case, printed):
-    found = solved(f"lin-rotary-{case}{'-printed' * printed}").as_json()
-    case = ROTARY, 100.0, U_Y[case]
-    one = solve_ball_by_lin_method(*case, lin_sigmoid_law(ROTARY, 100.0, 0.08)) if printed else solve_ball_of_bearing(*case)
-    assert found["load_sum_N"] == pytest.approx(one.load.force.sum(), rel=1e-9)
-    (ball,) = found["balls"]
-    assert [ball["orbit_rad_s"], *ball["rotation_rad_s"]] == pytest.approx([*one.motion.unknown_velocities, 0.0], rel=1e-7)
-    name = "friction_torque_Nmm" if printed else "driving_torque_on_screw_Nmm"
-    assert found["torque"][name] == pytest.approx(1e3 * one.inner_ring_torque, rel=1e-8)
-    assert [ball["load_N"][s] > 0.0 for s in SIDES] == (one.load.force > 0.0).tolist()
-    losses = 1e3 * one.motion.friction.loss
-    assert list(ball["loss_mW"].values()) == pytest.approx(losses, rel=1e-6, abs=1e-9)
 
 
 def test_chain_scene_is_the_library_s_and_a_gap_cuts_it():
@@ -97,36 +76,6 @@ def test_oversize_is_the_opposite_of_a_clearance_and_adds_load_and_large_contact
     assert SOLVERS[tight.kind](tight).as_json()["load_sum_N"] > 1.05 * plain["load_sum_N"]
 
 
-def test_laws_approach_coulomb():
-    exact = solved("lin-rotary-2").as_json()["torque"]["friction_torque_Nmm"]
-    coulomb, off = 'law = "coulomb"', []
-    for creep in ("1 mm/s", "0.1 mm/s"):
-        answer = solved("lin-rotary-2", (coulomb, f'law = "regularised"\ncreep = "{creep}"'))
-        assert answer.converged
-        assert abs(answer.as_json()["energy"]["balance_percent"]) < 1e-8
-        off.append(abs(answer.as_json()["torque"]["friction_torque_Nmm"] / exact - 1.0))
-    assert off[1] < 0.02 * off[0]
-    assert off[0] < 1e-3
-    soft = solved("lin-rotary-2", (coulomb, 'law = "sigmoid"\nsharpness = 1'))
-    assert soft.converged
-    assert soft.as_json()["torque"]["friction_torque_Nmm"] < 0.97 * exact
-
-
-PAIRS = [(True, "balanced"), *((False, x) for x in ("balanced", "elastic", "diagonal"))]
-
-
-@pytest.mark.parametrize(("mated", "loads"), PAIRS)
-def test_pair_scenes_are_the_library_s(mated, loads):
-    found = solved("lin-pair-b" if mated else "lin-pair-a", ('"balanced"', f'"{loads}"')).as_json()
-    one = solve_pair_of_linear_balls(LINEAR, np.radians(2.0), -0.6, 100.0, mated=mated, loads=loads)
-    numbers = found["pairs"][0]["force_N"], found["drive_N"]
-    assert numbers == pytest.approx((one.ball_to_ball_force, carriage_drive_force(one.touching.wrench)), rel=1e-9, abs=1e-9)
-    apart = [b["deviation_apart_percent"] for b in found["balls"]]
-    assert apart == pytest.approx(100.0 * one.velocity_deviation, rel=1e-8, abs=1e-9)
-    if loads == "diagonal":
-        assert found["solver"]["load_imbalance"] > 0.01, "the source's approximation does not balance; it is shown"
-
-
 def test_no_contact_and_nothing_moving_are_said():
     answer = solved("lin-rotary-1", ('axial_force = "100 N"', 'axial_force = "0 N"'))
     assert (answer.converged, answer.as_json()["status"]) == (False, "no contact: nothing presses the ball")
@@ -154,20 +103,6 @@ def test_without_friction_nothing_is_lost_and_motion_is_that_of_a_vanishing_coef
     assert [smooth.as_json().get(k) for k in ratios] == [None, None], "no ratio of round-off"
 
 
-@pytest.mark.parametrize("name", ["lin-screw-pair-a", "lin-screw-pair-b-inferred"])
-def test_answers_of_screw_pairs_are_the_library_s(name):
-    found, r = solved(name).as_json(), solve_pair_of_screw_balls(catalogue.scene_of_any_kind(name).pair)
-    percent = found["friction_increase_percent"], found["ball_to_ball_percent"]
-    assert percent == pytest.approx(
-        (100.0 * r.friction_increase, 100.0 * r.touching.motion.ball_loss.sum() / r.apart.motion.loss), rel=1e-8
-    )
-    numbers = found["pairs"][0]["force_N"], found["energy"]["loss_W"]
-    assert numbers == pytest.approx((r.force, r.touching.motion.loss), rel=1e-8)
-    loads = [list(b["load_N"].values()) for b in found["balls"]]
-    expected = np.concatenate([s.loads_with_friction.force for s in (r.apart, r.touching)])
-    np.testing.assert_allclose(loads, expected, rtol=1e-7, atol=1e-9)
-
-
 def test_an_oversize_loads_a_four_point_bearing_and_rows_face_to_face_are_turned_round():
     rows = loaded("lin-bearing-pairs", ('back to back"\n', 'face to face"\n')).double_row.rows
     assert [r.contacts for r in rows] == [bearing.DIAGONAL, bearing.OTHER]
@@ -187,34 +122,6 @@ def test_pair_takes_pattern_direction_hand_and_hertz():
     assert words == ((SHIFTED, SHIFTED), "r", "ball and screw", "as printed")
     numbers = (*pair.theta, pair.oversize, *pair.force, pair.groove.lead, pair.groove.nut_speed)
     assert numbers == pytest.approx((0.0, np.radians(2.0), -1e-6, 100.0, -20e-3, 2.0 * np.pi), rel=1e-14)
-
-
-def test_pair_of_a_still_screw_spends_nothing():
-    answer = solved("lin-screw-pair-a-inferred", ('"1 rps"', '"0 rps"'))
-    assert answer.converged
-    nothing = pytest.approx(0.0, abs=1e-15)
-    assert answer.as_json()["energy"] == {
-        "input_power_W": 0.0,
-        "loss_W": nothing,
-        "balance_W": nothing,
-        "balance_percent": None,
-    }
-    assert answer.as_json()["friction_increase_percent"] is None
-
-
-def test_run_scene_is_the_library_s():
-    answer = solved("lin-screw-run", *SHORT)
-    r = simulate(source_cases.simulation_inputs(), 0.3, 40)
-    s, found, series = summarise_screw_run(r), answer.as_json()["summary"], answer.as_json()["series"]
-    assert answer.converged
-    assert found["largest_ball_to_groove_percent"] == pytest.approx(100.0 * s.largest_ball_to_groove_ratio, rel=1e-7)
-    assert found["largest_at_deg"] == pytest.approx(s.nut_angle_of_largest_ratio)
-    begins = np.degrees(r.nut_angle)[np.flatnonzero(r.presses_on_next.any(axis=1))[0]]
-    assert found["contact_begins_deg"] == pytest.approx(begins)
-    assert found["contact_ends_deg"] is None, "still in contact at the end"
-    assert found["mean_torque_Nmm"] == pytest.approx(1e3 * r.torque_statistics["mean"], rel=1e-8)
-    assert series["groove_torque_Nmm"] == pytest.approx(1e3 * r.groove_torque, rel=1e-8)
-    assert series["contacts"] == r.presses_on_next.sum(axis=1).tolist()
 
 
 def test_a_run_takes_the_keys_of_a_whole_screw_in_time():
@@ -253,21 +160,6 @@ def test_one_ball_holds_a_tilting_ring_only_against_a_force_through_its_centre(a
     assert "ry" in bearing.describe_unresisted_motion(replace(ball, arm=1.001 * through), angle)
     for all_balls in (source_cases.four_point_bearing(), source_cases.double_row_bearing()):
         assert bearing.describe_unresisted_motion(all_balls, angle) == ""
-
-
-@pytest.mark.parametrize("tilt", [True, False])
-def test_bearing_scene_is_the_library_s(tilt):
-    answer = solved("lin-bearing-pairs", *FEW, ("tilt = true", f"tilt = {str(tilt).lower()}"))
-    found, angles = answer.as_json(), np.radians([0.0, 2.0, 16.0, 18.0])
-    assert answer.converged
-    makers = {"four_point": source_cases.four_point_bearing, "double_row": source_cases.double_row_bearing}
-    curves = {name: bearing.solve_bearing(make(tilt=tilt), angles) for name, make in makers.items()}
-    for name, curve in curves.items():
-        assert found[name]["friction_torque_Nmm"] == pytest.approx(1e3 * curve.torque, rel=1e-7)
-        assert found[name]["balls_beyond_two_contacts"] == curve.balls_beyond_two_contacts.tolist()
-        assert found[name]["largest_over_smallest"] == pytest.approx(curve.largest_over_smallest_torque, rel=1e-7)
-    ratio = curves["four_point"].torque / curves["double_row"].torque
-    assert found["four_over_double"] == pytest.approx(ratio, rel=1e-7)
 
 
 def test_exit_codes_of_a_ball_without_contact_and_of_a_bearing_that_one_ball_cannot_hold(command, tmp_path):
