@@ -4,27 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.axes import (
-    ANGLE,
-    BALL,
-    ROLLERS,
-    TURNING,
-    assembly,
-    bearing,
-    double_nut,
-    fixed_axis,
-    mirrored,
-    nut,
-    solved,
-    with_nominal_arms,
-)
+from tests.axes import ANGLE, BALL, ROLLERS, TURNING, assembly, bearing, double_nut, fixed_axis, nut, solved
 from tests.helpers import ALL_BUT_AXIAL, relative
 
 from rollbench.lowfi.compliance.parts import LADDER, reduce_to_compliance_geometry, smooth_body
 from rollbench.lowfi.statics.axis import equations, solve
 from rollbench.lowfi.statics.axis.system import build_assembly_arrays
 from rollbench.meshes.axis import Housing, RollingSet
-from rollbench.meshes.parts import FREEDOMS, Errors, Load, SideErrors, Support
+from rollbench.meshes.parts import FREEDOMS, Load, Support
 from rollbench.meshes.section import tube_section
 
 #: Bodies of few harmonics on a coarse mesh, for what holds whatever they are.
@@ -35,14 +22,6 @@ def refined(parts, **options):
     result = solve.solve_assembly_with_elastic_bodies(parts, **options)
     assert result.status == "converged"
     return result
-
-
-def test_a_warm_shaft_grows_by_its_strain_and_less_where_a_nut_holds_it():
-    ends = {"supports": (Support(0.0, (("uz", 0.0), ("rz", 0.0))),), "loads": (Load(0.3),)}
-    parts = assembly(nut("n", 0.15), thermal_strain=1e-4, **ends)
-    idle = replace(parts, sets=(nut("n", 0.15, housing="h"),), housings=(Housing("h", 0.15),))
-    assert refined(idle).centreline[-1, 2] == pytest.approx(0.3e-4, rel=1e-5)
-    assert 0.15e-4 < refined(parts).centreline[-1, 2] < 0.3e-4
 
 
 ROWS = [RollingSet(t, "tapered roller bearing", ROLLERS, z, thrust=t) for t, z in (("+z", 0.03), ("-z", 0.07))]
@@ -110,15 +89,6 @@ def test_elastic_nuts_carry_what_the_load_and_the_spacer_ask():
     assert found.stiffness[2, 2] == pytest.approx(slope, rel=1e-3)
 
 
-@pytest.mark.slow
-def test_an_uneven_nut_beside_an_even_one_keeps_its_profile():
-    parts, errors = double_nut(count=6), Errors(SL=SideErrors(profile=(0.0, 4e-6, -3e-6)))
-    uneven = replace(parts.sets[0], parts=replace(parts.sets[0].parts, errors=errors))
-    found = refined(replace(parts, sets=(uneven, parts.sets[1])))
-    assert found.equilibrium.force_residual < 1e-10
-    assert relative(found.sets[0].balls.load, refined(parts).sets[0].balls.load) > 1e-3
-
-
 def test_inner_rings_on_housings_are_rigid_and_refused_on_springs():
     found = refined(carried_nut())
     assert [s.force[2] for s in found.sets] == pytest.approx([-700.0] * 2, rel=1e-9)
@@ -127,28 +97,6 @@ def test_inner_rings_on_housings_are_rigid_and_refused_on_springs():
     carried = replace(bearing("c", 0.14, "both"), carrier="h")
     with pytest.raises(ValueError, match="an inner ring sits on a housing that stands on springs"):
         solve.solve_assembly_with_elastic_bodies(replace(parts, sets=(*parts.sets, carried)))
-
-
-AXIS = fixed_axis((150.0, 80.0, 600.0))
-#: The axis is held by its left pair of bearings alone.
-MIRRORED = {
-    "double nut": (with_nominal_arms(double_nut(count=6)), 1e-8),
-    "axis": (with_nominal_arms(replace(AXIS, sets=(*AXIS.sets[:2], AXIS.sets[4]))), 2e-3),
-    "lever arms to the grooves' centres": (double_nut(count=6), 1e-5),
-}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("parts", "error"), MIRRORED.values(), ids=MIRRORED)
-def test_mirror_image_carries_the_mirrored_loads(parts, error):
-    """Whichever end of a set's stretch of shaft is held. On the axis the patches of contacts near the ends of the bearings'
-    stretches are cut off there, by less on one side than on the other, more of them the wider patches are, and the shaft's
-    face adds to them. Lever arms to the grooves' centres break the mirror by what contacts turn."""
-    here, there = (refined(p, backend=COARSE) for p in (parts, mirrored(parts)))
-    for a, b in zip(here.sets, there.sets, strict=True):
-        assert relative(b.balls.load[:, [1, 0, 3, 2]], a.balls.load) < error
-        assert relative(b.force, a.force * [1.0, 1.0, -1.0]) < error
-        assert np.abs(a.force + a.reaction[:3]).max() < 1e-11 * np.abs(a.balls.load).max()
 
 
 @pytest.mark.slow

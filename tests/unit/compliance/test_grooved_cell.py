@@ -29,11 +29,6 @@ def of_screw(m=MAP, land=LAND, bore=0.0):
     return tube.grooved_beam_section(m, land, bore, True, STEEL)
 
 
-def changed(**track):
-    """Map of the scene with another track."""
-    return GrooveMap.from_scene(replace(SCENE, track=replace(SCENE.track, **track)))
-
-
 def of_section(section):
     return np.array([getattr(section, name) for name in KINDS.values()])
 
@@ -91,18 +86,6 @@ def test_nothing_is_left_out_of_a_shallow_groove():
     assert np.all(gaps[0] < 0.02)
     assert np.all(gaps[1] > 0.0)
     assert np.all(gaps[1] < 0.3 * gaps[0])
-
-
-def test_impossible_dimensions():
-    for given, why in (
-        ({"m": changed(lead=0.0)}, "lead"),
-        ({"m": changed(starts=4)}, "overlap"),
-        ({"land": ROOT - 1e-4}, "does not cut"),
-        ({"land": 25e-3}, "does not cut"),
-        ({"bore": 15.5e-3}, "inside out"),
-    ):
-        with pytest.raises(ValueError, match=why):
-            of_screw(**given)
 
 
 def test_the_helix_changes_half_a_per_cent():

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from tests import patch_meshes as meshes
-from tests.fe_meshes import boundary, jacobians, stiffness, volume
+from tests.fe_meshes import jacobians, stiffness, volume
 from tests.helpers import relative
 from tests.patch_meshes import NU, ZONE, E, condensed, flat, holed_cube, places, socket, tets
 
@@ -18,7 +18,7 @@ from rollbench.hifi.elements import forms
 from rollbench.hifi.elements.forms import normalise_weight_rows
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
 from rollbench.meshes.fem import node_coordinates, with_node_coordinates
-from rollbench.meshes.tet_patch import SUB_TRIANGLES, mesh_patch_with_tetrahedra, patch_as_in_thesis
+from rollbench.meshes.tet_patch import SUB_TRIANGLES
 
 pytestmark = pytest.mark.xdist_group("condensed patches")
 KINDS = ["Q2", "P1"]
@@ -45,23 +45,6 @@ def test_tie_reproduces_the_socket_s_functions_and_takes_no_point_off_it(linear)
         return
     corners = s.triangles[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
     np.testing.assert_allclose(tie(s.xi[corners].mean(axis=1)) @ bent, bent[corners].mean(axis=1), atol=1e-13)
-
-
-@pytest.mark.parametrize("where", ["groove", "ball"])
-@pytest.mark.parametrize("kind", KINDS)
-def test_rigid_motions_strain_nothing(kind, where):
-    mesh, normals, c = condensed(kind, where)
-    middle = mesh.points.mean(axis=0)
-
-    def rigid(points):
-        return nodal_displacements_of_rigid_motions(points, middle) / np.repeat([1.0, 1e-3], 3)
-
-    motions = rigid(places(0)[where][0](socket().xi))
-    assert np.abs(c.S @ motions).max() < 1e-12 * np.abs(c.S).max() * np.abs(motions).max()
-    expected = np.einsum("ci,cim->cm", normals, rigid(mesh.points[mesh.contact_nodes]).reshape(-1, 3, 6))
-    np.testing.assert_allclose(c.H @ motions, normalise_weight_rows(mesh.pressure_weights) @ expected, atol=1e-11)
-    u = patch.nodal_displacements_of_patch(mesh, normals, E, NU, np.zeros(len(normals)), motions[:, 4])
-    np.testing.assert_allclose(u.ravel(), rigid(mesh.points)[:, 4], atol=1e-11)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -93,74 +76,12 @@ def test_condensed_is_the_full_system_and_definite(kind):
     assert f @ c.A @ f + q @ c.S @ q == pytest.approx(whole @ K @ whole, rel=1e-10)
 
 
-#: Displacement gradient without stress on planes z = constant, for a free top.
-SLOPE = 1e-3 * np.array([[1.0, 0.3, -0.2], [0.5, -0.7, 0.4], [0.2, -0.4, -NU / (1 - NU) * 0.3]])
-
-
-def test_constant_strain_through_a_first_order_patch():
-    """Body and patch of first order conform: a linear field on the cube's surface goes through both unchanged."""
-    body, nodes, _ = holed_cube()
-    points = node_coordinates(body)
-    box = patch_as_in_thesis((0.25, 0.25), 0.5, (0.5, 0.4), 0.05, 0.2)
-    mesh = patch.fit_tetrahedral_patch(mesh_patch_with_tetrahedra(box, socket()), flat, socket())
-    c = patch.condense_patch(mesh, np.tile([0.0, 0.0, 1.0], (len(mesh.contact_nodes), 1)), 1.0, NU)
-    linear, at = coarse.convert_mesh_order(body, "P1"), [coarse.BodySocket(nodes, np.eye(3), 0)]
-    K = coarse.assemble_body_stiffness(linear, at, {0: c}, 1.0, NU)
-    exact = points @ SLOPE.T
-    held = coarse.degrees_of_freedom_of_nodes(np.setdiff1d(boundary(points), nodes))
-    loose = np.setdiff1d(np.arange(K.shape[0]), held)
-    u = exact.ravel().copy()
-    u[loose] = sp.linalg.spsolve(K[loose][:, loose], -(K[loose][:, held] @ u[held]))
-    assert relative(u.reshape(-1, 3), exact) < 1e-11
-    q = u[coarse.degrees_of_freedom_of_nodes(nodes)]
-    moved = (mesh.points[mesh.contact_nodes] @ SLOPE.T)[:, 2]
-    assert relative(c.H @ q, normalise_weight_rows(mesh.pressure_weights) @ moved) < 1e-11
-    whole = patch.nodal_displacements_of_patch(mesh, c.normals, 1.0, NU, np.zeros(len(c.A)), q)
-    assert relative(whole, mesh.points @ SLOPE.T) < 1e-11
-
-
 def test_map_that_turns_cells_inside_out_is_refused():
     def folded(xi):
         return np.column_stack([np.abs(xi[:, 0]), xi[:, 2], -xi[:, 1]])
 
     with pytest.raises(ValueError, match="inside out"):
         patch.fit_tetrahedral_patch(tets(0.16e-3), folded, socket())
-
-
-def indentation(kind, where, fine=None, b_over_h=None):
-    """Mean indentation [um] under a total of 225 N spread like Hertz's pressure, the socket held."""
-    if kind == "Q2":
-        grid = meshes.lines(b_over_h, 3.0)
-        place, centre = places(0)[where]
-        mesh = patch.mesh_hexahedral_patch(grid, ZONE, place, socket())
-        across, along = (np.union1d(x, 0.5 * (x[1:] + x[:-1])) for x in (grid.across, grid.along))
-        zone = across[np.abs(across) < ZONE[0] + 1e-9], 0.0, along[np.abs(along) < ZONE[1] + 1e-9]
-        local = np.stack(np.meshgrid(*zone, indexing="ij"), -1).reshape(-1, 3)
-        arms = mesh.points[mesh.contact_nodes] - centre
-        normals = arms / np.linalg.norm(arms, axis=1)[:, None]
-    else:
-        mesh, normals = meshes.patch(kind, where, fine=fine)
-        local = tets(fine).xi[mesh.contact_nodes]
-    a, b = np.array(meshes.SEMI) / meshes.WIDTH
-    f = np.sqrt(np.maximum(1.0 - (local[:, 0] / a) ** 2 - (local[:, 2] / b) ** 2, 0.0)) * mesh.areas
-    f *= 225.0 / f.sum()
-    u = patch.nodal_displacements_of_patch(mesh, normals, E, NU, f, np.zeros(3 * mesh.interface_weights.shape[1]))
-    along_normals = (u[mesh.contact_nodes] * normals).sum(axis=1)
-    return 1e6 * float(f @ normalise_weight_rows(mesh.pressure_weights) @ along_normals) / 225.0
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("where", ["groove", "ball"])
-def test_first_order_is_stiff_and_converges(where):
-    """The source's 0.08 mm are 6 to 8 % too stiff within the patch.
-
-    Hertz's pressure is sampled at the nodes, so that its edge falls anywhere between two of them: 3 % on four cells.
-    """
-    limit = indentation("Q2", where, b_over_h=6.0)
-    assert indentation("Q2", where, b_over_h=4.0) == pytest.approx(limit, rel=0.03)
-    wide, usual, fine = (1.0 - indentation("P1", where, fine=size) / limit for size in (0.16e-3, 0.08e-3, 0.04e-3))
-    assert wide > 1.7 * usual > 1.7**2 * fine > 0.0
-    assert fine < 0.04 < usual < 0.10
 
 
 @pytest.mark.parametrize("side", range(4))

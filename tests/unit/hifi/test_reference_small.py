@@ -140,22 +140,6 @@ def test_parts_are_made_here_and_by_others_in_their_order():
         compute_records([*parts, RecordJob("any", eval, ("1 / 0",), int)], Cache(None), 2)
 
 
-def test_a_helical_motion_of_the_screw_changes_no_load(small):
-    """A screw that is turned by 2 mrad and free to follow its lead; by linear kinematics its radius would grow by 33 nm."""
-    at_rest = reference.solve_reference(small, small.scene)
-    first = small.scene.supports[0]
-    held = tuple((name, 2e-3 if name == "rz" else value) for name, value in first.fixed)
-    turned = replace(small.scene, supports=(replace(first, fixed=held), *small.scene.supports[1:]))
-    result = reference.solve_reference(small, turned)
-    assert result.status == "converged"
-    assert result.normal_update_count <= 5  # by the middle of the pressures, which sticks to so few nodes, it were 12
-    np.testing.assert_allclose(result.contact_loads, at_rest.contact_loads, rtol=0, atol=1e-4 * at_rest.contact_loads.max())
-    across = np.nan_to_num(result.contact_angles - at_rest.contact_angles)
-    assert np.abs(across).max() < 1e-4  # a straight step along a curved track: 16 um leave 8 nm of its section
-    axial = result.contact_loads[:, 0] @ np.sin(result.contact_angles[:, 0]) * np.cos(small.groove_map.alpha)
-    assert axial == pytest.approx(400.0, rel=2e-4)
-
-
 def test_loads_that_did_not_settle_say_what_they_may_still_move_by(small):
     """Places of the balls are solved with the loads, so that few rounds settle these."""
     moved = Support(60e-3, (("ux", 5e-6), ("uy", 0.0)))
@@ -184,10 +168,3 @@ def test_a_command_whose_reference_does_not_settle_says_so_and_ends_with_a_code_
         ended, found = command.json("compare", file, *words)
         assert ended == code
         assert found["scenes"][0]["reference_status"].startswith(status)
-
-
-def test_what_is_left_is_the_rest_of_a_geometric_series():
-    loads = [np.array([[10.0 - 4.0 * 0.25**k, 5.0]]) for k in range(4)]
-    left = {1: np.inf, 2: 99.0 * 3.0, 3: 10.0 - loads[2][0, 0], 4: 10.0 - loads[3][0, 0]}
-    assert {k: reference.remaining_load_change(loads[:k]) for k in left} == pytest.approx(left)
-    assert reference.remaining_load_change([loads[0]] * 2) == 0.0

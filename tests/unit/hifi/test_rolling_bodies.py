@@ -8,7 +8,7 @@ import pytest
 from tests.rolling_scenes import linear_pair
 
 from rollbench.hifi.contact.hertz import solve_hertz
-from rollbench.hifi.rolling import balls, bodies, contact_bodies, verification
+from rollbench.hifi.rolling import balls, bodies, verification
 from rollbench.hifi.rolling.contact_bodies import ContactZone, Groove, mesh_grooved_bar, mesh_half_space, mesh_whole_ball
 from rollbench.hifi.rolling.patch import ComplianceKernel, create_cell_grid, displacement_by_rectangle, monomial_values
 from rollbench.hifi.rolling.scenes import relative_radius_along
@@ -20,15 +20,6 @@ E, NU, R = 210e9, 0.28, 5e-3
 ZONE = ContactZone((0.1e-3, 0.4e-3), (2, 2), 3.0)
 COARSE = bodies.Sizes(cells=(2, 2), growth=3.0, degree=2)
 ROUND = (0.0, 0.0)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def coarse_pieces():
-    """Pieces of bodies around the static reference's patches of cells more than half as large again."""
-    with pytest.MonkeyPatch.context() as patch:
-        for name, value in (("CUTS", (3, 3, 3)), ("GROOVE_SIZES", (0.35, 1.8)), ("BALL_SIZES", (0.2, 0.4))):
-            patch.setattr(bodies, name, value)
-        yield
 
 
 def half_space_kernel(zone, size, degree):
@@ -67,20 +58,6 @@ def test_loads_have_the_resultants_of_their_tractions_and_a_motion_of_the_whole_
     M = bodies.compliance_of_free_body(body, curved, E, NU)
     assert pytest.approx(M.T, rel=1e-9, abs=1e-14 * np.abs(M).max()) == M  # reciprocity
     assert np.linalg.eigvalsh(M).min() > -1e-9 * np.abs(M).max()
-
-
-@pytest.mark.slow
-def test_bodies_made_by_two_processes_are_those_made_here(monkeypatch):
-    scene = linear_pair()
-    touches = [t for _, _, t in balls.loaded_contacts(scene)]
-    here = [balls.finite_body_kernel_at_contact(scene, t, COARSE).M for t in touches]
-    bodies.clear_kernel_cache()
-    spent = [balls.cache_kernels_of_scenes((scene, scene), COARSE, k) for k in (1, 2, 2)]
-    assert spent[0] == spent[2] == 0.0 < spent[1]  # one process makes them later, where they are needed
-    monkeypatch.setattr(contact_bodies, "mesh_whole_ball", None)  # nothing is meshed any more
-    monkeypatch.setattr(contact_bodies, "mesh_grooved_bar", None)
-    there = np.array([balls.finite_body_kernel_at_contact(scene, t, COARSE).M for t in touches])
-    assert there == pytest.approx(np.array(here), rel=0.0, abs=1e-12 * np.abs(here).max())
 
 
 @cache

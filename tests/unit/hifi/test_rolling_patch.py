@@ -113,13 +113,6 @@ def test_differences_lose_energy_only_and_the_answer_does_not_depend_on_the_path
     assert bent == pytest.approx(straight, abs=1e-9 * MU * PATCH.normal_forces.max())
 
 
-def test_mirrored_motion_gives_mirrored_forces():
-    creeps = Creep(1e-3, 4e-4, 8.0), Creep(1e-3, -4e-4, -8.0)
-    one, two = (solve_steady_rolling_for_creepages(PATCH, creep, MU) for creep in creeps)
-    assert two.friction_force == pytest.approx(one.friction_force * [1.0, -1.0], rel=1e-9)
-    assert two.friction_moment == pytest.approx(-one.friction_moment, rel=1e-9)
-
-
 def test_a_search_that_is_cut_short_says_so(monkeypatch):
     monkeypatch.setattr(friction, "MOST", 1)
     monkeypatch.setattr(friction, "PATH", (1.0,))
@@ -148,12 +141,6 @@ def test_balls_meet_and_end_in_steady_rolling_whatever_the_steps_and_power_put_i
     for one in (run, *others):
         assert one.losses + one.stored_power == pytest.approx(one.driving_power, rel=1e-9)
         assert 0.0 <= one.stored_power[-1] < 0.03 * one.driving_power[-1]
-
-
-@pytest.mark.parametrize("bad", [(0.0, 10, 0.0), (0.1, 0, 0.0), (0.1, 10, -1e-6)])
-def test_steps_that_make_no_sense_are_refused(bad):
-    with pytest.raises(ValueError, match="duration"):
-        compute_motion_from_rest(linear_pair(), *bad, GRID)
 
 
 def solved(n, inner, motions, pull, push):

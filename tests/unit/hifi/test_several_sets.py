@@ -129,25 +129,6 @@ def test_preload_by_force_is_met_without_loads(prepared):
     assert found.nut_offsets[0] == pytest.approx(-found.nut_offsets[1], rel=1e-4)
 
 
-@pytest.mark.survey
-def test_half_a_turn_about_a_diameter_changes_nothing_but_names(prepared):
-    """Seen from its other end the pair has the same loads, left flanks for right ones, up to what its other mesh does."""
-
-    def turned(s):
-        p = s.parts
-        parts = replace(
-            p,
-            nut=replace(p.nut, position=LENGTH - p.nut.position),
-            balls=replace(p.balls, azimuths=tuple(-x for x in p.balls.azimuths)),
-            solid=replace(p.solid, nut_held="right face"),
-        )
-        return replace(s, parts=parts, position=LENGTH - s.position, offset=-s.offset)
-
-    other = replace(PAIR, sets=tuple(map(turned, PAIR.sets)), **pulled(LENGTH - 0.16, -300.0))
-    found, same = (solve_nuts_on_one_shaft(x, prepared(x)).contact_loads for x in (PAIR, other))
-    assert_loads(same[:, [1, 0, 3, 2]], found, 2e-3)
-
-
 def test_equal_nuts_have_equal_bodies():
     beyond = Support(0.35, (("ux", 0.0),))  # the shaft goes on beyond the second, as beyond the first
     first, second = meshed_geometry_of_each_set(replace(PAIR, supports=(*PAIR.supports, beyond)))

@@ -13,7 +13,6 @@ from tests.two_balls import SMALL, relative_deviation_of_fit, two_balls
 
 from rollbench.hifi import condensation
 from rollbench.hifi.bodies import grid_wave
-from rollbench.hifi.bodies.coarse import contact_modes_of_patch
 from rollbench.hifi.bodies.grid_wave import POWERS, GapCorrectionTable, fit_smooth_force_law, solve_unilateral_contact
 from rollbench.hifi.bodies.patch import condense_patch
 from rollbench.hifi.elements.forms import normalise_weight_rows
@@ -62,22 +61,6 @@ def test_a_right_flank_is_the_left_one_turned(flanks, right):
         assert sp.linalg.norm(a.pressure_weights - b.pressure_weights) < 1e-9 * sp.linalg.norm(b.pressure_weights)
     assert relative(mirrored.local_compliance, direct.local_compliance) < 5e-3
     assert relative(found[right - 1].local_compliance, direct.local_compliance) > 1e-2  # not turned, nodes stand for others
-
-
-@pytest.mark.parametrize("part", ["groove_patch", "ball_patch"])
-@pytest.mark.parametrize("count", [3, 8])
-def test_few_modes_keep_the_resultants_of_all_contact_forces(flanks, part, count):
-    """Whatever single hats carry: what reaches the socket's nodes through the modes is in equilibrium with it, to
-    round-off. Contact forces point at the ball's centre: three modes are enough."""
-    m, patch = flanks[0], getattr(flanks[2][2], part)
-    V, rows = contact_modes_of_patch(patch, count)
-    assert V.shape[1] == count
-    centre = np.array([m.R, 0.0, 0.0]) if part == "groove_patch" else np.zeros(3)
-    reached = (V @ rows).reshape(len(V), -1, 3)
-    forces = normalise_weight_rows(patch.pressure_weights) @ patch.normals
-    assert np.abs(reached.sum(axis=1) - forces).max() < 1e-12
-    moments = np.cross(patch.socket_points - centre, reached).sum(axis=1)
-    assert np.abs(moments).max() < 1e-12 * m.ball
 
 
 @pytest.mark.parametrize("side", [0, 3])

@@ -1,7 +1,5 @@
 """The ball of the 3D reference: rays through the grooves, sockets, its mesh, and what does not fit."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from tests.fe_meshes import outer_faces, volume_of
@@ -11,7 +9,6 @@ from rollbench.meshes import fem, groove_map
 from rollbench.meshes.ball_body import (
     BallRefinementBox,
     contact_frame_vectors,
-    depth_of_ball_refinement_box,
     mesh_ball_with_refinement_boxes,
     points_in_ball_refinement_box,
     rays_from_ball_centre,
@@ -19,7 +16,6 @@ from rollbench.meshes.ball_body import (
 from rollbench.meshes.sockets import RefinementBoxSize, points_in_box_at_azimuth_zero
 
 FOUR = (0, 1, 2, 3)
-MAP = groove_map.GrooveMap.from_scene(small_screw(2))
 
 
 def ball_sockets(sides, gamma=0.3, phi=0.075, depth=0.9e-3):
@@ -40,17 +36,6 @@ def test_rays_of_a_ball_pass_through_the_groove(side):
     np.testing.assert_allclose(bottom @ contact_frame_vectors(m, side)[0], m.ball - socket.depth, rtol=1e-12)
     top = points_in_ball_refinement_box(m, socket, np.zeros((1, 3)))[0]
     np.testing.assert_allclose(top, m.ball * contact_frame_vectors(m, side)[0], atol=1e-17)
-
-
-def test_wide_ball_sockets_are_deeper():
-    m, usual = MAP, RefinementBoxSize(0.3, 1.2e-3, 0.075)
-    assert depth_of_ball_refinement_box(m, usual, 0) == pytest.approx(0.9e-3)
-    wide = replace(usual, gamma=0.6)
-    depth = depth_of_ball_refinement_box(m, wide, 0)
-    corners = np.array([[a, d, b] for a in (-1.0, 1.0) for d in (0.0, 1.0) for b in (-1.0, 1.0)])
-    x = points_in_ball_refinement_box(m, BallRefinementBox(0, wide, depth), corners).reshape(2, 2, 2, 3)
-    assert depth > 0.9e-3
-    assert np.linalg.norm(x[:, 0] - x[:, 1], axis=-1).min() == pytest.approx(0.12 * m.ball, rel=1e-6)
 
 
 def socket_volume(m, socket):
@@ -88,20 +73,3 @@ def test_ball(beta, sides):
         assert {tuple(sorted(nodes[t].tolist())) for t in standard.triangles[:, :3]} <= rows
         lost += socket_volume(m, socket)
     assert volume_of(mesh) == pytest.approx(4.0 / 3.0 * np.pi * m.ball**3 - lost, rel=3e-3)
-
-
-UNFIT = [
-    ((), "at least one contact"),
-    ((*ball_sockets((0,)), replace(*ball_sockets((3,)), depth=2.5e-3)), "2.5 mm deep"),
-    (ball_sockets((0, 1), gamma=0.68, depth=1.6e-3), "overlap"),
-    (ball_sockets((0, 1), gamma=0.66), "wider than its depth of 0.9 mm allows"),
-    (ball_sockets((0, 0)), "overlap"),
-    (ball_sockets((0,), gamma=0.8, depth=2e-3), "beyond one half of the ball"),
-]
-
-
-@pytest.mark.parametrize(("sockets", "match"), UNFIT)
-def test_ball_sockets_that_do_not_fit_are_refused(sockets, match):
-    m = groove_map.GrooveMap.from_scene(small_screw(2, beta=np.radians(44.9)))
-    with pytest.raises(ValueError, match=match):
-        mesh_ball_with_refinement_boxes(m, sockets, 0.5e-3, 1e-3)

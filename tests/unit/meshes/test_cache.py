@@ -16,8 +16,6 @@ import pytest
 import scipy.sparse as sp
 from skfem import MeshTet, MeshTet2
 
-from rollbench.lowfi.statics.result import Status
-from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes import cache as module
 from rollbench.meshes.cache import Cache, cached_on_disk, key_of_result, record_from_bytes, record_to_bytes
 from rollbench.meshes.files import create_private_folder
@@ -97,12 +95,6 @@ def test_a_record_comes_back(tmp_path: Path):
 def test_a_plain_value_comes_back_with_its_type(value, compressed):
     found = record_from_bytes(record_to_bytes(value, compressed=compressed))
     assert (found, type(found)) == (value, type(value))
-
-
-def test_a_text_comes_back_with_its_attributes():
-    for text in (Status("not held", "rotation", "mounting"), ResultWarning("rotation", "by 60 mrad", "rotations")):
-        found = record_from_bytes(record_to_bytes((1, text)))[1]
-        assert (found, type(found), vars(found)) == (text, type(text), vars(text))
 
 
 def test_a_mesh_comes_back_with_its_names_and_another_class_is_refused(tmp_path: Path):
@@ -270,23 +262,6 @@ def test_what_is_damaged_or_no_record_is_built_anew_and_nothing_in_a_file_is_run
         built_anew(root)
     assert capsys.readouterr().err == ""
     assert not (tmp_path / "executed").exists()
-
-
-def test_those_used_longest_ago_go_first(tmp_path: Path):
-    store = Cache(tmp_path, limit=40_000)
-    for k in range(3):
-        store.get(numbers, (1200 + k,), Record)
-    for k, file in enumerate(sorted(stored(tmp_path), key=lambda f: f.stat().st_mtime)):
-        os.utime(file, (3.0 - k, 3.0 - k))  # the last one was used longest ago
-    store.limit = 30_000
-    store.get(numbers, (1203,), Record)
-    again = Cache(tmp_path)
-    for k in (0, 3):
-        again.get(never(numbers), (1200 + k,), Record)
-    with pytest.raises(AssertionError):
-        again.get(never(numbers), (1202,), Record)
-    store.get(numbers, (5000,), Record)  # more than the cache holds: not kept
-    again.get(never(numbers), (1200,), Record)
 
 
 calls: list[int] = []

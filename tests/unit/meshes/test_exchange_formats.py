@@ -9,23 +9,15 @@ import pytest
 import skfem
 from tests.fe_meshes import KINDS, boundary_faces, cube
 
-from rollbench.meshes import shell
 from rollbench.meshes.exchange.mesh_files import FORMATS, loses_nodes_in_format, write_mesh
 from rollbench.meshes.fem import build_mesh, node_coordinates, nodes_of_boundary_faces, nodes_of_cells
 
-GMSH_TYPES = {"P1": 4, "P2": 11, "Q1": 5, "Q2": 12}
 EDGES = {
     10: [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)],
     20: [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)],
 }
 EDGES[27] = EDGES[20]
 FACES_27 = [(0, 3, 7, 4), (1, 2, 6, 5), (0, 1, 5, 4), (3, 2, 6, 7), (0, 1, 2, 3), (4, 5, 6, 7)]
-
-
-@pytest.fixture
-def gmsh():
-    with shell.gmsh_session() as program:
-        yield program
 
 
 def example(name: str) -> skfem.Mesh:
@@ -78,48 +70,6 @@ def test_cells_are_where_they_were(form, name, tmp_path: Path):
     np.testing.assert_array_equal(used, range(len(again.points)))
     if form == "vtu":
         assert abs(pyvista.read(path).volume) == pytest.approx(1.0, rel=1e-6)
-
-
-@pytest.mark.parametrize("name", KINDS)
-@pytest.mark.parametrize("form", ["msh", "med"])
-def test_gmsh_reads_cells_groups_and_fields(gmsh, form, name, tmp_path: Path):
-    mesh = example(name)
-    points, cells = node_coordinates(mesh), nodes_of_cells(mesh)
-    count = 20 if loses_nodes_in_format(mesh, form) else cells.shape[1]
-    write_mesh(tmp_path / f"c.{form}", mesh, {"u": points}, region="body")
-    gmsh.merge(str(tmp_path / f"c.{form}"))
-    tags, xyz, _ = gmsh.model.mesh.getNodes()
-    place = np.full((int(tags.max()) + 1, 3), np.nan)
-    place[tags.astype(int)] = xyz.reshape(-1, 3)
-    (kind,), (elements,), (nodes,) = gmsh.model.mesh.getElements(3)
-    assert kind == (17 if count == 20 else GMSH_TYPES[name])
-    theirs = place[nodes.astype(int).reshape(len(cells), count)]
-    np.testing.assert_allclose(theirs, points[cells[:, :count]], atol=1e-14)
-    assert gmsh.model.mesh.getElementQualities(elements, "minDetJac").min() > 0.0
-    groups = {gmsh.model.getPhysicalName(d, t): (d, t) for d, t in gmsh.model.getPhysicalGroups()}
-    assert set(groups) == {"body", "low end", "side"}
-    found = gmsh.model.mesh.getElements(3, gmsh.model.getEntitiesForPhysicalGroup(*groups["body"])[0])[1][0]
-    np.testing.assert_array_equal(found, elements)
-    views = {gmsh.option.getString(f"View[{k}].Name"): tag for k, tag in enumerate(gmsh.view.getTags())}
-    kind, at, values, _, width = gmsh.view.getModelData(views["u"], 0)
-    assert (kind, width) == ("NodeData", 3)
-    np.testing.assert_allclose(np.array(values), place[np.asarray(at, dtype=int)], atol=1e-14)
-    for side in mesh.boundaries:
-        entities = gmsh.model.getEntitiesForPhysicalGroup(*groups[side])
-        ours = points[nodes_of_boundary_faces(mesh, side)[:, : 8 if count == 20 else None]]
-        corners = place[np.concatenate([gmsh.model.mesh.getElements(2, e)[2][0] for e in entities]).astype(int)]
-        theirs = corners.reshape(ours.shape)
-        order = [np.lexsort(x.mean(axis=1).round(9).T) for x in (theirs, ours)]
-        np.testing.assert_allclose(np.sort(theirs[order[0]], axis=1), np.sort(ours[order[1]], axis=1), atol=1e-14)
-        normal = np.cross(theirs[:, 1] - theirs[:, 0], theirs[:, 2] - theirs[:, 0])
-        outwards = theirs.mean(axis=1) - np.array([0.6, 0.7, 0.8])  # from the middle of the cube
-        assert (np.einsum("fi,fi->f", normal, outwards) > 0.0).all(), "a pressure acts along the normal"
-    if form == "msh":
-        kind, at, values, _, _ = gmsh.view.getModelData(views["skfem:s:body"], 0)
-        values, inside = np.array(values)[:, 0], np.isin(at, elements)
-        assert kind == "ElementData"
-        np.testing.assert_array_equal(values[inside], np.ones(len(cells)))
-        assert np.all(np.isnan(values[~inside]))  # on the faces
 
 
 @pytest.mark.parametrize("name", ["P2", "Q2"])

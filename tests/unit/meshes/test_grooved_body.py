@@ -225,24 +225,6 @@ def test_any_scene(kind):
     assert hole is None or np.hypot(*mesh.points[:, :2].T).min() < 2e-3
 
 
-@pytest.mark.parametrize("body", ["screw"], indirect=True)
-def test_meshes_are_the_same_every_time(body):
-    m, spec, first = body
-    second = mesh_grooved_body(m, spec)
-    for name in ("points", "cells", "nodes_on_box_faces"):
-        np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
-    np.testing.assert_array_equal(*(nodes_on_boundaries(one.mesh, "low end") for one in (first, second)))
-
-
-def test_finer_sizes_give_shorter_edges_at_the_sockets():
-    case, lengths = small_screw(3), []
-    for fine, coarse in ((3.2e-3, 12e-3), (1.6e-3, 6e-3)):
-        mesh = mesh_grooved_body(GrooveMap.from_scene(case), body_specs(case, (3,), fine=fine, coarse=coarse)["nut"])
-        near = mesh.cells[np.isin(mesh.cells, mesh.nodes_on_box_faces).any(axis=1)]
-        lengths.append(np.linalg.norm(mesh.points[near[:, 0]] - mesh.points[near[:, 1]], axis=1).mean())
-    assert lengths[1] < 0.9 * lengths[0]
-
-
 def test_volume_with_sockets(body):
     """Each socket's box is missing from the coarse mesh."""
     m, spec, mesh = body

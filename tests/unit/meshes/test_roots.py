@@ -28,11 +28,3 @@ def test_a_step_is_bisected_and_one_sign_is_refused() -> None:
     assert numerics.brentq(f, 0.0, 1.0) == optimize.brentq(f, 0.0, 1.0)
     with pytest.raises(ValueError, match="different signs"):
         numerics.brentq(lambda x: x + 2.0, 0.0, 1.0)
-
-
-def test_near_points_with_and_without_a_tree(monkeypatch: pytest.MonkeyPatch) -> None:
-    points = np.random.default_rng(2).normal(size=(60, 3))
-    dense = numerics.pairs_of_close_points(points, 0.8)
-    monkeypatch.setattr(numerics, "FEW", 0)
-    assert len(dense) > 20
-    assert np.array_equal(numerics.pairs_of_close_points(points, 0.8), dense)

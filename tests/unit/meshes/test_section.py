@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.helpers import STEEL, small_screw, with_ingredients
+from tests.helpers import STEEL, small_screw
 
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes import section as meshes_section
@@ -55,23 +55,6 @@ def test_volume_ratio(starts):
     assert meshes_section.grooved_volume_ratio(scene) == pytest.approx(expected, rel=1e-6)
     assert 0.5 < expected < 1.0
     assert meshes_section.grooved_volume_ratio(small_screw(lead=0.0)) == 1.0
-
-
-@pytest.mark.parametrize(("reading", "power"), [("full", 0.0), ("groove", 0.5), ("groove squared", 1.0)])
-def test_readings_of_c_8(reading, power):
-    """k_r scales the diameter: stiffnesses as its square and fourth power."""
-    k = meshes_section.grooved_volume_ratio(LIN) ** power
-    found = meshes_section.screw_section(with_ingredients(LIN, section=reading))
-    full = meshes_section.tube_section(32e-3, 0.0, STEEL)
-    ratios = [getattr(found, name) / getattr(full, name) for name in ("EA", "EI", "GJ", "kGA")]
-    assert ratios == pytest.approx([k**2, k**4, k**4, k**2], rel=1e-13)
-
-
-def test_screw_surface_that_misses_the_groove_and_groove_that_takes_all_are_refused():
-    with pytest.raises(ValueError, match="does not cut"):
-        meshes_section.screw_groove_section(replace(LIN, screw=replace(LIN.screw, outer_diameter=25e-3)))
-    with pytest.raises(ValueError, match="volume exceeds"):
-        meshes_section.screw_section(replace(LIN, track=replace(LIN.track, lead=1e-3)))
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.28, 0.5])

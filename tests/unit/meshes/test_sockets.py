@@ -95,12 +95,6 @@ def test_gaps_follow_each_start_over_all_turns():
     assert {tuple(p) for p in pairs[np.abs(gaps - 0.4) < 1e-9]} == {(1, 2), (5, 6)}
 
 
-@pytest.mark.parametrize("hand", ["right", "left"])
-def test_gaps_do_not_depend_on_how_turns_are_counted(hand):
-    gaps, _ = gaps_of(with_balls(small_screw(2, hand=hand), [-3.0, -1.0, 0.3, 2.0]), turns=np.array([0, 1, -2, 1]))
-    np.testing.assert_allclose(sorted(gaps), [1.3, 1.7, 2.0], atol=1e-9)
-
-
 def test_gaps_of_a_ring_close_around():
     case = with_balls(RING, [0.0, 2.0, -2.5])
     np.testing.assert_allclose(sorted(gaps_of(case)[0]), sorted([2.0, 2.5, 2 * np.pi - 4.5]), atol=1e-9)
@@ -175,28 +169,3 @@ def test_no_room_is_refused_with_cause_and_remedy(case, sides, change, match):
 
 
 # --- sockets that do not fit -----------------------------------------------------------------------------------------
-
-
-def check(case=SIX, size=SIZE, sides=(0,), turned=0.0, radii=(16e-3, 1.5e-3), ends=(0.08, 0.12)):
-    """Check the sockets of a scene, all turned by an angle about the axis."""
-    moved = tuple((phi + turned, z, side) for phi, z, side in sockets_of(case, sides))
-    rules.check_refinement_boxes_fit(GrooveMap.from_scene(case), size, moved, *radii, ends)
-
-
-NEAR_TURNS = {"sides": (2, 3), "radii": (15e-3, 22e-3), "ends": (0.1, 0.2)}
-MISFITS = [
-    ({"size": replace(SIZE, gamma=0.55)}, "beyond the flank.*make the refinement boxes smaller"),
-    ({"size": replace(SIZE, depth=1.8e-3), "radii": (16e-3, 12.6e-3)}, "through the wall"),
-    ({"size": replace(SIZE, phi=0.6)}, "balls 1 and 2 overlap"),
-    ({"ends": (0.08, 0.107)}, "flat end"),
-    ({"turned": 0.1}, "not lie on a groove"),
-    ({"case": with_lead(4.4e-3), "size": rules.RefinementBoxSize(0.3, 0.9e-3, 0.05)} | NEAR_TURNS, "next turn"),
-]
-
-
-@pytest.mark.parametrize(("given", "match"), MISFITS)
-def test_misfits_are_refused(given, match):
-    for turned in (0.0, 2.0 * np.pi):
-        check(turned=turned)
-    with pytest.raises(ValueError, match=f"refinement box.*{match}"):
-        check(**given)

@@ -103,24 +103,6 @@ def test_rigid_bodies_share_equally_and_load_as_hertz():
     assert soft.load == pytest.approx(s.load, rel=1e-6)
 
 
-def test_one_ball_is_a_hertz_contact_at_its_angle():
-    """Exact: the force is along the line of the groove centres, whose length gives the approach."""
-    _, s = solved(300.0, balls=1, stiffness=7e9, compliance=0.0, lead_angle=0.0, law="exact")
-    along, across = A * np.sin(ANGLE) + s.motion[0], A * np.cos(ANGLE)
-    length = np.hypot(along, across)
-    assert s.load[0] == pytest.approx(7e9 * (length - A) ** 1.5, rel=1e-9)
-    assert s.load[0] * along / length == pytest.approx(300.0, rel=1e-12)
-
-
-@pytest.mark.parametrize("law", chains.LAWS)
-@pytest.mark.parametrize("load", [40.0, 700.0, 4000.0])
-def test_stiffness_is_the_slope_of_the_curve(law, load):
-    chain, e, h = replace(LONG, law=law), long_errors(3), 1e-5
-    low, s, high = (chains.solve_ball_screw(chain, e, load * f) for f in (1.0 - h, 1.0, 1.0 + h))
-    slope = 2.0 * h * load / (high.displacement - low.displacement)
-    assert s.stiffness == pytest.approx(slope, rel=1e-5)
-
-
 @pytest.mark.parametrize("law", chains.LAWS)
 def test_motion_grows_and_falls_back_on_energy(law):
     """Every motion, load and the stiffness grow with the load; the work of the load is what springs hold."""
@@ -197,24 +179,3 @@ def test_uneven_spacing_is_a_chain_with_a_ball_left_out():
     assert found.stiffness == pytest.approx(whole.stiffness, rel=1e-9)
     with pytest.raises(ValueError, match="76"):
         replace(other, spacing=(1.0,))
-
-
-def test_calibration():
-    chain = chains.calibrate_compliance(LONG, 0.862, 5000.0)
-    assert chains.last_to_first_load_ratio(chain, 5000.0) == pytest.approx(0.862, abs=1e-9)
-    assert chains.calibrate_compliance(LONG, 0.2, 5000.0).compliance > chain.compliance
-    for ratio in (0.0, 1.0, 1.2):
-        with pytest.raises(ValueError, match="ratio"):
-            chains.calibrate_compliance(LONG, ratio, 5000.0)
-
-
-def test_no_chain_and_bad_input_are_refused():
-    wrong = {"balls": 0, "stiffness": 0.0, "compliance": -1.0, "groove_distance": 0.0, "contact_angle": 0.0}
-    for name, value in (wrong | {"law": "x", "lead_angle": -0.1}).items():
-        with pytest.raises(ValueError, match="must"):
-            replace(LONG, **{name: value})
-    given = [("positive", np.zeros(78), load) for load in (0.0, -1.0, np.inf, np.nan)]
-    given += [("error", errors, 100.0) for errors in (np.zeros(77), np.full(78, np.nan), np.full(78, A))]
-    for word, errors, load in given:
-        with pytest.raises(ValueError, match=word):
-            chains.solve_ball_screw(LONG, errors, load)

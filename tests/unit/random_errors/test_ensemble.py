@@ -25,16 +25,6 @@ def test_every_member_as_solved_alone(law):
     assert found.failed == 0 <= found.residual < 1e-10
 
 
-def test_same_numbers_whatever_the_chunk():
-    def kept(members=50, **options):
-        return ensemble.solve_ensemble(CHAIN, 2e-6, LOADS, members, **options).kept
-
-    whole = kept(seed=3)
-    assert all(np.array_equal(kept(seed=3, chunk=chunk), whole) for chunk in (1, 7, 50, 51))
-    assert np.array_equal(kept(20, seed=3), whole[:20])
-    assert not np.array_equal(kept(seed=4), whole)
-
-
 def test_moments_to_first_order():
     """Small errors against the approach: rigid bodies carry Q (1 + 1.5 (e - mean e)/d), so the mean square is closed."""
     chain = replace(CHAIN, compliance=0.0, law="constant")
@@ -63,14 +53,3 @@ def test_percentiles_have_the_sampling_error_of_repeated_samples():
     rng = np.random.default_rng(0)
     places = [ensemble.percentile_rank(rng.random(400), 0.9).percent for _ in range(400)]
     assert np.std(places) == pytest.approx(ensemble.percentile_rank(rng.random(400), 0.9).standard_error, rel=0.2)
-
-
-def test_bad_input_is_refused():
-    for loads in ([], [0.0], [-1.0], [np.nan]):
-        with pytest.raises(ValueError, match="loads"):
-            ensemble.solve_screws_with_errors(CHAIN, np.zeros((1, 78)), np.array(loads))
-    for kwargs in ({"screw_count": 0}, {"screw_count": 5, "chunk": 0}):
-        with pytest.raises(ValueError, match="positive"):
-            ensemble.solve_ensemble(CHAIN, 1e-6, LOADS, **kwargs)
-    with pytest.raises(KeyError, match="not solved at"):
-        ensemble.solve_ensemble(CHAIN, 1e-6, LOADS, 2).values_at("largest", 7.0)

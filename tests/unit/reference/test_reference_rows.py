@@ -1,8 +1,6 @@
 """Shipped runs of the 3D reference: balance, the gate against them, rows, mesh study; one definition of error
 and error bar for all points of error and time; memory that runs need."""
 
-import json
-
 import numpy as np
 import pytest
 from tests.reference_records import run_of
@@ -13,13 +11,10 @@ from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference import estimate, store
 from rollbench.compare.reference.estimate import reference_of_scene
-from rollbench.compare.reference.jobs import expected_time_and_memory
 from rollbench.compare.reference.levels import LEVELS, STUDIED
-from rollbench.compare.reference.tasks import ReferenceTask
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.sections.reference_time import errors_against_reference
 from rollbench.compare.studies.mesh_study import mesh_accuracy_sentence, mesh_study_table_of_scene
-from rollbench.compare.studies.run_times import RUN_TIMES, ColdLevelTime
 from rollbench.lowfi.statics import equations, problem
 from rollbench.meshes.parts import SIDES
 from rollbench.meshes.section import BeamSection
@@ -176,16 +171,3 @@ def test_every_point_has_the_same_reference_and_its_bar() -> None:
     assert 0.0 < more["low"] < more["error"] < more["high"]
     assert more["rms"] < more["error"]
     assert more["gate"].error == pytest.approx(5.0)
-
-
-def test_memory_of_many_contacts_is_told_as_it_was_measured() -> None:
-    """228 and 264 contacts on level 1 in two processes: what is told is enough and at most 15 % more.
-
-    The two were measured to take 0.0085 and 0.0102 GB a contact, so that no law in proportion is nearer to both.
-    """
-    levels = json.loads((store.shipped_store() / RUN_TIMES).read_text(encoding="utf-8"))["levels"]
-    large = [c for c in (ColdLevelTime(**row) for row in levels) if (c.contacts or 0) > 200]
-    assert len(large) == 2
-    for c in large:
-        memory = expected_time_and_memory(ReferenceTask((catalogue.scene(c.scene),), c.level, processes=2)).memory_GB
-        assert 1.0 <= memory / (1e-3 * c.memory) <= 1.15

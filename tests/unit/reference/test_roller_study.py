@@ -5,7 +5,6 @@ from math import sin
 
 import pytest
 
-from rollbench.compare.errors import SceneNotCoveredError
 from rollbench.compare.reference.store import run_text_with_checksum, shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies import roller
@@ -69,21 +68,8 @@ def test_damaged_runs_are_not_used(kind, shipped, tmp_path):
     assert roller.stored_roller_run(kind, 1, (tmp_path,)) is None
 
 
-def test_sharp_straight_rollers_are_refused(kind, tmp_path):
-    sharp = replace(kind, roller_row=replace(kind.roller_row, edge_radius=None))
-    with pytest.raises(SceneNotCoveredError, match="edge_radius"):
-        roller.load_or_compute_roller_run(sharp, 1, (tmp_path,))
-
-
 @pytest.mark.parametrize(
     ("arguments", "word"), [(["two-balls"], "separate runs"), (["--spread"], "spread"), (["--levels", "4"], "1 to 3")]
 )
 def test_what_rollers_do_not_know_is_refused(arguments, word, command):
     assert word in command.refused("mesh-study", TAPER, *arguments)
-
-
-@pytest.mark.parametrize("value", ["3 mm", "10 um"])
-def test_edge_radius_has_a_range(value, tmp_path, command):
-    text = catalogue.shipped_scene(TAPER).to_toml().replace('edge_radius = "1 mm"', f'edge_radius = "{value}"', 1)
-    (tmp_path / "taper.toml").write_text(text)
-    assert "edge_radius: got" in command.refused("solve", tmp_path / "taper.toml")

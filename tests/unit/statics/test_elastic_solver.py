@@ -11,17 +11,12 @@ from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.survey import SEED, random_screw_scene_text
-from rollbench.lowfi.as_source.newton import screw_beam_stiffness_matrix
-from rollbench.lowfi.compliance.parts import LADDER, grooved_section, reduce_to_compliance_geometry
+from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics import response as model
-from rollbench.lowfi.statics import shaft as statics_shaft
 from rollbench.lowfi.statics.contact_law import contact_law
 from rollbench.lowfi.statics.equilibrium import solve_alone
-from rollbench.lowfi.statics.problem import build_problem
 from rollbench.lowfi.statics.rolling_elements import forces_of_elements
 from rollbench.lowfi.statics.static import solve_elastic
-from rollbench.meshes.errors import draw_geometry_with_errors
-from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Load
 
 CASES = SCENES | {
@@ -32,7 +27,6 @@ CASES = SCENES | {
     ),
     "hertz at work": with_ingredients(catalogue.scene("lin-case3"), hertz="actual"),
 }
-PAIRS = {"lin-case1": [True, False, False, True], "pushed back": [False, True, True, False]}
 
 
 def motions(elastic, phi, amplitudes):
@@ -65,35 +59,6 @@ def test_solution_is_stationary_and_balanced(case, backend):
     free = elastic.system.bodies.free
     unbalanced = np.einsum("nsac,nsa->c", free.R[0], f[0]) + free.work[0]
     assert np.abs(unbalanced).max(initial=0.0) < 1e-10 * elastic.residual_force_scale
-
-
-@pytest.mark.parametrize("case", ["lin-case1", "lin-case3-offset", "uneven flanks", "clearance"])
-def test_forces_are_the_gradient_of_the_energy(case):
-    """-dE/dv by central differences of the balls' energy, away from the solution."""
-    elastic = elastic_equations(CASES[case])
-    solve_alone(elastic.solve_by_newton())
-    rng, of = np.random.default_rng(2), elastic.system.elements
-    v = motions(elastic, elastic.state.phi, elastic.state.a)
-    v = v + rng.normal(0.0, 2e-7, v.shape)
-    f, step = forces_of_elements(of, v).on_flanks, 2e-9
-    for i, s, a in ((0, 0, 0), (1, 0, 1), (2, 1, 0), (3, 3, 0), (4, 3, 1), (5, 2, 0)):
-        moved = np.zeros_like(v)
-        moved[0, i, s, a] = step
-        up, down = (forces_of_elements(of, v + sign * moved).energy[0] for sign in (1.0, -1.0))
-        assert (up - down) / (2.0 * step) == pytest.approx(-f[0, i, s, a], abs=1e-4 * np.abs(f).max())
-
-
-@pytest.mark.parametrize("backend", LADDER)
-@pytest.mark.parametrize("case", ["lin-case1", "pushed back", "lin-case3-offset", "clearance", "lin-combined"])
-def test_leaving_nothing_out_changes_nothing(case, backend):
-    """With two flanks of either pair alone in use, or all four."""
-    usual, every = (solve_elastic(CASES[case], backend=LADDER[backend], everything=e) for e in (False, True))
-    assert usual.status == every.status == "converged"
-    assert relative(every.load, usual.load) < 1e-8
-    assert relative(every.centreline[-1], usual.centreline[-1]) < 1e-6
-    if case in PAIRS:
-        assert (usual.load > 0.0).any(axis=0).tolist() == PAIRS[case]
-        assert usual.solver.unknowns < 0.6 * every.solver.unknowns
 
 
 def test_sides_left_out_that_touch_are_found():
@@ -156,60 +121,6 @@ def test_contact_law_inverts_its_formula_and_is_one_energy(c, e, h):
         x = 0.5 * (node + 1.0)  # F grows as delta^(3/2): by x = sqrt(delta) the integrand is smooth
         forces = np.array([law(delta * y * y, c, e, h)[0] for y in x])
         assert delta * (weight * x) @ forces == pytest.approx(energy, rel=2e-5, abs=0.0)
-
-
-PUSH = (10.0, 5.0, 300.0)
-SHAFTS = {
-    "held": CASES["lin-case1"],
-    "prescribed": CASES["lin-case3-offset"],
-    "source partition": with_ingredients(CASES["lin-case3-offset"], partition="source"),
-    "one support": small_screw(force=PUSH, moment=(1.0, 2.0, 0.0), fixed=(("uz", 0.0), ("rz", 0.0)), load_at=0.03),
-    "free": small_screw(force=PUSH, moment=(1.0, 2.0, 3.0), fixed=(), load_at=0.17),
-    "pushed and loose": small_screw(force=PUSH, fixed=(("uz", 3e-6), ("rz", 0.0), ("ux", 2e-6))),
-}
-
-
-@pytest.mark.parametrize("case", SHAFTS)
-def test_shaft_against_the_dense_beam(case):
-    """Random forces on the flanks that balance the loads on what no support holds: nodal motions by the whole matrix."""
-    scene = SHAFTS[case]
-    layout, section = ball_layout(scene), grooved_section(reduce_to_compliance_geometry(scene), True)
-    drawn = draw_geometry_with_errors(scene, layout)
-    problem = build_problem(scene, drawn, layout, np.ones(4, dtype=bool), section=section)
-    shaft = statics_shaft.build_shaft(problem)
-    size = 6 * problem.nodes.size
-    K, fixed = screw_beam_stiffness_matrix(problem), problem.fixed.ravel()
-    rows = np.zeros((problem.B.shape[0], 2, 2, size))
-    for i in range(rows.shape[0]):
-        for s in range(2):
-            first = 6 * problem.first_nodes[i, s]
-            rows[i, s, :, first : first + problem.B.shape[3]] = problem.B[i, s]
-    rows = rows.transpose(1, 0, 2, 3).reshape(-1, size)
-    G, R = statics_shaft.flank_compliance(shaft, [0, 1]), statics_shaft.flank_motions_by_free_motions(shaft, [0, 1])
-    v0 = statics_shaft.flank_motions_by_loads(shaft, [0, 1])
-    assert G.shape == (rows.shape[0],) * 2
-    assert relative(G, G.T) == 0.0
-    rng = np.random.default_rng(4)
-    forces = rng.normal(0.0, 100.0, rows.shape[0])
-    if R.shape[1]:
-        forces -= R @ np.linalg.solve(R.T @ R, R.T @ forces + shaft.work_on_free_motions)
-    amplitudes = rng.normal(0.0, 1e-5, R.shape[1])
-    load = problem.load.ravel() + rows.T @ forces
-    loose = ~fixed
-    found = statics_shaft.nodal_motions_under_loads(shaft, rows.T @ forces, amplitudes).ravel()
-    # by the whole matrix: residual on the free freedoms, prescribed values on the others
-    np.testing.assert_allclose(found[fixed], problem.prescribed.ravel()[fixed], rtol=0, atol=1e-18)
-    arm = np.tile([1.0] * 3 + [problem.scene.track.pitch_radius] * 3, size // 6)
-    residual = ((K @ found - load) / arm)[loose]
-    assert np.abs(residual).max() < 1e-6 * np.abs(load).max()
-    assert relative(rows @ found, G @ forces + v0 + R @ amplitudes) < 1e-9
-    if R.shape[1] == 0:
-        flexible = np.zeros((size, size))
-        flexible[np.ix_(loose, loose)] = np.linalg.inv(K[np.ix_(loose, loose)])
-        assert relative(G, rows @ flexible @ rows.T) < 1e-7
-    else:
-        still = statics_shaft.nodal_motions_under_loads(shaft, rows.T @ forces, 0.0 * amplitudes).ravel()
-        assert np.abs(K @ (found - still)).max() < 1e-6
 
 
 def test_a_contact_beside_a_held_face_keeps_what_its_body_takes_from_it():

@@ -8,14 +8,6 @@ from rollbench.lowfi.as_source.mei import solve_mei
 from rollbench.meshes.helix import lead_angle
 
 
-def test_loads_fall_steadily_from_the_loaded_end_more_so_in_an_elastic_nut() -> None:
-    load, elastic = solve_mei(scene("lin-case1")).load, solve_mei(scene("lin-case1"), elastic_nut=True).load[:, 0]
-    assert np.all(np.diff(load[:, 0]) < 0.0)
-    assert not load[:, [1, 2]].any()
-    assert elastic[0] > load[0, 0]
-    assert elastic.sum() == pytest.approx(load[:, 0].sum(), rel=1e-9)
-
-
 def test_axial_balance() -> None:
     """With contacts on all four flanks; on two, the chain of `lowfi.as_source.liu` finds the same loads."""
     s = scene("lin-case3")
