@@ -15,7 +15,6 @@ from tests.slow import all_slow_but
 import rollbench
 from rollbench.compare.gate import user
 from rollbench.compare.models.registry import run_model
-from rollbench.compare.results.data import Written
 from rollbench.compare.scenes.catalogue import scene_names
 from rollbench.compare.scenes.scene_file import parse_scene
 from rollbench.lowfi.warned import ResultWarning
@@ -136,14 +135,6 @@ def test_without_equilibrium_there_are_no_answers() -> None:
     assert "loads: none" in repr(lost)
     with pytest.raises(ValueError, match="nothing to draw"):
         lost.plot()
-
-
-def test_a_new_scene_solves() -> None:
-    scene = rollbench.new("40x10")
-    assert (scene.track.lead, rollbench.solve(scene, "lin").converged) == (pytest.approx(0.01), True)
-    assert rollbench.new(kind="bearing").track.lead == 0.0
-    with pytest.raises(rollbench.InputError):
-        rollbench.new("40")
 
 
 def test_balls_are_rows_of_a_data_frame(solved: rollbench.Result, tmp_path: Path) -> None:
@@ -296,11 +287,6 @@ def test_records_with_arrays_differ_by_one_element() -> None:
     answers = [rollbench.ModelAnswer(np.full((2, 4), load)) for load in (1.0, 1.0, 2.0)]
     assert (answers[0] == answers[1], answers[0] == answers[2], len({*answers})) == (True, False, 2)
     assert answers[0] != rollbench.ModelAnswer(np.ones((2, 4)), np.zeros(6))
-
-
-def test_a_report_is_true_if_it_passed() -> None:
-    one = Written({}, page=Path("index.html"), passed=False)
-    assert (bool(one), bool(replace(one, passed=True))) == (False, True)
 
 
 def test_a_study_of_meshes_takes_stored_runs(tmp_path: Path) -> None:

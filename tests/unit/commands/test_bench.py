@@ -53,21 +53,6 @@ def test_a_stored_run_times_models_and_commands_for_the_report(tmp_path, command
     assert kept.measuring_conditions == measuring_conditions()
 
 
-def test_what_is_timed_for_the_report(monkeypatch):
-    monkeypatch.setattr(reference_time, "REFERENCED", ("lin-case1",))
-    monkeypatch.setattr(reference_time, "UNSEEN", ("unseen-16x5",))
-    jobs = reference_time.time_jobs(SceneResultCache())
-    assert {("lin-case1", level) for level in range(5)} <= jobs.keys()
-    assert {("lin-case1", "lin"), ("lin-case2", 4), ("lin-pair-a", "formula"), ("unseen-16x5", "refined")} <= jobs.keys()
-
-
-def test_an_ensemble_is_timed(monkeypatch):
-    monkeypatch.setattr(run_times, "MEMBERS", 20)
-    row = run_times.time_ensemble()
-    assert row.job.startswith("20 members")
-    assert row.seconds > 0.0
-
-
 @pytest.mark.usefixtures("quick")
 def test_models_are_listed_with_errors_beside_their_run_times(monkeypatch, command):
     monkeypatch.setattr(

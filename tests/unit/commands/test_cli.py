@@ -1,16 +1,13 @@
 """The command line as a user meets it: exit codes, one line for bad input, exactly one JSON object."""
 
-import io
 import json
 import re
 import shlex
-import sys
 import tomllib
 from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
-from tests.slow import all_slow_but
 
 from rollbench.compare.cli import COMMANDS, app_with_commands
 from rollbench.compare.commands import printed as listing
@@ -28,26 +25,6 @@ def test_json_is_exactly_one_object(command) -> None:
     assert (data["scene"], data["model"], data["status"]) == ("lin-case1", "refined", "converged")
     assert [set(ball["load_N"]) for ball in data["balls"]] == [{"SL", "SR", "NL", "NR"}] * 32
     assert data["equilibrium"]["force_residual"] < 1e-12
-
-
-@pytest.mark.parametrize("model", ["lin", "source", "mei", "mei-nut"])
-def test_every_model_runs_from_the_command_line(command, model: str) -> None:
-    data = command.answer("solve", "lin-case1", "--model", model)
-    assert data["model"] == model
-    axial = sum(b["load_N"]["SL"] for b in data["balls"])
-    assert axial == pytest.approx(5000.0 / 0.70711 / 0.98193, rel=0.02)
-
-
-@pytest.mark.parametrize("scene", all_slow_but(["lin-case3"], ["lin-case3", "double-nut"]))
-def test_answers_come_first_and_the_last_line_says_where_assumptions_are(command, scene) -> None:
-    words = "solve", scene, "--model", "lin", "--balls"
-    out, whole = command.said(*words), command.said(*words, "--verbose")
-    assert "SL" in out
-    behind = ("\nassumed: ", "\nleft out: ", "\nbalance of the ", "\nsolver: ")
-    assert not any(text in out for text in behind)
-    assert all(text in whole for text in behind)
-    count = whole.count("\nassumed: "), whole.count("\nleft out: ")
-    assert out.splitlines()[-1].startswith("--verbose also shows: {} assumptions, {} neglected effects".format(*count))
 
 
 def test_a_scene_without_equilibrium_is_said_and_exits_1(command, scene_file) -> None:
@@ -93,15 +70,6 @@ def test_a_foreign_folder_takes_no_report(command, tmp_path: Path) -> None:
     assert (tmp_path / "thesis.txt").read_text() == "mine"
 
 
-def test_help_names_commands_in_order_and_no_empty_default(command) -> None:
-    out = command.said("--help")
-    places = [out.index(heading) for heading in COMMANDS]
-    assert places == sorted(places)
-    assert out.index("new ") < out.index("solve ") < out.index("mesh-study ") < out.index("audit ")
-    assert {name for names in COMMANDS.values() for name in names} <= {*app_with_commands()}
-    assert '""' not in command.said("check", "--help")
-
-
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_completion_knows_commands_and_options(shell: str, command) -> None:
     out = command.said("completion", shell)
@@ -112,17 +80,6 @@ def test_an_interrupt_is_said(command, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(listing, "_shipped_contents_lines", Mock(side_effect=KeyboardInterrupt))
     code, _, err = command("list")
     assert (code, err) == (130, "rollbench: interrupted; nothing was left half-written\n")
-
-
-@pytest.mark.parametrize("tokens", [("list",), ("check", "unseen-40x10", "--no-compute", "--loads", "{loads}")])
-def test_no_line_is_wider_than_the_terminal(tokens, monkeypatch, tmp_path, command) -> None:
-    loads, out = tmp_path / "loads-of-a-program-with-a-long-name.csv", io.StringIO()
-    loads.write_text("ball,flank,newton\n" + "".join(f"{ball},SL,200\n" for ball in range(1, 58)))
-    out.isatty = lambda: True
-    monkeypatch.setattr(sys, "stdout", out)
-    monkeypatch.setenv("COLUMNS", "80")
-    command(*(token.format(loads=loads) for token in tokens))
-    assert max(map(len, out.getvalue().splitlines())) <= 80
 
 
 def test_a_mesh_study_uses_shipped_runs_and_closes_with_a_sentence(command, tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ import skfem
 from scipy.sparse.linalg import spsolve
 from skfem.quadrature import get_quadrature
 from tests import two_balls
-from tests.fe_meshes import boundary_faces, freedoms, jacobians, nodal_areas, one, space, stiffness
+from tests.fe_meshes import boundary_faces, freedoms, jacobians, nodal_areas, stiffness
 from tests.report_samples import contents
 
 from rollbench.compare.commands.export import write_part_mesh
@@ -25,7 +25,7 @@ from rollbench.compare.studies import export as export_command
 from rollbench.compare.studies.crosscheck.study import solve_deck_or_read_result
 from rollbench.hifi.bodies import coarse as submodel
 from rollbench.hifi.elements import forms
-from rollbench.meshes import parts, solid
+from rollbench.meshes import parts
 from rollbench.meshes.exchange.mesh_files import VTK
 from rollbench.meshes.fem import node_coordinates, nodes_of_boundary_faces, nodes_of_cells, nodes_on_boundaries
 
@@ -154,22 +154,6 @@ def test_other_programs_read_the_groups_of_a_whole_body(part, form, solids, tmp_
             middles = mesh.p[:, mesh.facets[:, mesh.boundaries[name]]].mean(axis=1).T
             np.testing.assert_allclose(np.sort(found[name], axis=0), np.sort(middles, axis=0), atol=1e-12, err_msg=program)
     np.testing.assert_array_equal(skfem.Mesh.load(file).subdomains[part], np.arange(mesh.nelements))
-
-
-def test_whole_bodies_have_no_holes_and_their_volumes(solids):
-    """Their faces are closed and named; volumes of a ball, of a tube less its groove, of one whose groove ends within."""
-    for mesh in solids.values():
-        faces = np.concatenate(list(mesh.boundaries.values()))
-        np.testing.assert_array_equal(np.sort(faces), mesh.boundary_facets())
-    assert one(space(solids["ball"])) == pytest.approx(4.0 / 3.0 * np.pi * TWO.balls.radius**3, rel=1e-2)
-    land, turns = solid.dimensions_of_3d_parts(TWO).land, TWO.nut.length / TWO.track.lead
-    tube = np.pi * (TWO.nut.outer_diameter**2 / 4.0 - land**2) * TWO.nut.length
-    helix = turns * np.hypot(2.0 * np.pi * TWO.track.pitch_radius, TWO.track.lead)
-    groove = 0.5 * np.pi * TWO.nut.groove_radius**2 * helix
-    through = one(space(solids["nut"]))
-    assert tube - groove < through < tube - 0.3 * groove
-    filled = coarse_mesh(replace(TWO, solid=replace(TWO.solid, nut_groove="loaded")), "nut")
-    assert one(space(filled)) > 1.02 * through
 
 
 @pytest.mark.parametrize("part", ["patch-SL", "ball-patch-SL", "patch-NR"])

@@ -77,13 +77,6 @@ def test_an_error_above_the_goal_or_that_nobody_knows_has_not_converged_in_the_s
     assert transient_simulation_as_json(run)["step_error_unknown"] == "fewer than 4 steps"
 
 
-def test_a_run_that_failed_says_so():
-    scene = replace(small_screw(6, 0.6, force=(0.0, 0.0, 100.0), screw="rigid"), supports=())
-    run = runs.simulation_with_status(simulate(setting(scene), 0.01, 4), None, Time(angle=0.1))
-    assert transient_simulation_as_json(run)["converged"] is False
-    assert "contact loads" in text.lines_on_simulation(run)[0][1]
-
-
 def test_a_run_that_stopped_says_where_and_sums_over_what_it_ran():
     whole = setting(sparse())
 
@@ -131,8 +124,3 @@ def test_the_page_shows_torque_over_turn_coefficient_and_play():
     losses = found.items[2].columns["friction_loss_whole"]
     assert [sum(losses[:-1]), losses[-1]] == pytest.approx([given["losses"]["total_W"]] * 2)
     assert section(replace(SCENE, friction=None)) is None, "no coefficient"
-
-
-@pytest.mark.parametrize(("error", "digits"), [(None, 3), (2.0, 3), (0.3, 3), (0.01, 4), (1e-4, 6), (0.0, 6)])
-def test_at_most_two_digits_more_than_are_sure(error, digits):
-    assert text.digits_for_relative_error(error) == digits

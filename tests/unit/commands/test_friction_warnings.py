@@ -12,35 +12,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.friction import solve as friction_answer
 from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes.parts import BallErrors, Errors, Friction, Motion
-
-
-def test_two_point_contact_on_a_helix_is_warned_of():
-    def warned(**options):
-        scene = replace(small_screw(force=(0.0, 0.0, 300.0), **options), friction=Friction(0.1, 0.1, feedback=False))
-        notes = answer(scene).as_json()["warnings"]
-        return any("two flanks only" in line for line in notes)
-
-    assert warned()
-    assert not warned(oversize=5e-6)
-    assert not warned(lead=0.0, turns=5.0 / 6.0), "a ring's friction runs along its groove"
-
-
-SEARCHES = [
-    (20e-3, True, ("from four displaced starts",)),
-    (20e-3, False, ("none was searched for", "feedback = true")),
-    (0.0, True, ("none was searched for", "along the grooves")),
-]
-
-
-@pytest.mark.parametrize(("lead", "feedback", "words"), SEARCHES)
-def test_second_states_that_were_not_searched_for_are_not_said_to_be_absent(lead, feedback, words):
-    scene = small_screw(3, 0.7, lead=lead, force=(0.0, 0.0, 300.0), screw="rigid")
-    found = answer(replace(scene, friction=Friction(0.4, 0.4, feedback=feedback), motion=Motion(3.0)))
-    note = next(n for n in found.as_json()["warnings"] if "jammed" in n)
-    assert all(word in note for word in words)
-    assert (found.as_json()["solver"]["second_states"] is None) is ("none was searched for" in note)
-    assert "rolls" not in note
+from rollbench.meshes.parts import BallErrors, Errors, Friction
 
 
 def test_what_is_wrong_with_a_contact_is_told_once_and_as_solve_tells_it():

@@ -8,7 +8,7 @@ from rich.box import HEAVY_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from rollbench.compare.text.printing import CommandOutput, print_command_output, split_to_width, wrap_lines
+from rollbench.compare.text.printing import CommandOutput, print_command_output, split_to_width
 
 
 def balls(*, ruled: bool) -> Table:
@@ -37,22 +37,6 @@ def test_no_number_is_cut_and_every_part_names_its_rows(width: int, *, ruled: bo
     assert sum(text.count("1236.5") for text in texts) == 4, "ball 1 at 1, ball 2 at 0, on both sides"
     assert all("ball" in text and text.count("SL") == 3 for text in texts)
     assert [("loads" in text) for text in texts] == [True] + [False] * (len(texts) - 1)
-
-
-def test_a_table_that_fits_stays_as_it_is_and_what_follows_stands_below_the_text() -> None:
-    table = balls(ruled=False)
-    assert split_to_width(table, 300) == [table]
-    text = "  scene      a screw of a catalogue with a long title\n  other      short"
-    first, rest = "  scene      a screw of a catalogue with", "             a long title"
-    assert wrap_lines(text, 40).splitlines() == [first, rest, "  other      short"]
-
-
-def test_paths_and_commands_stay_whole() -> None:
-    command = f"apt-get install {' '.join(f'lib{n}' for n in range(20))}"
-    lines = wrap_lines(f"missing   meshing: a library is not there; {command}", 50).splitlines()
-    assert lines == ["missing   meshing: a library is not there;", " " * 10 + command]
-    path = f"/{'x' * 60}.csv"
-    assert path in wrap_lines(f"every contact: {path} and .svg written", 50).splitlines()[1]
 
 
 def test_json_is_one_value_without_its_text_and_parts_are_printed_as_they_come(capsys):

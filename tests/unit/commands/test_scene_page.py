@@ -5,10 +5,9 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
-from tests.axes import CASES, ON_A_SHAFT
+from tests.axes import ON_A_SHAFT
 from tests.load_cases import written
 from tests.report_samples import contents
 
@@ -16,7 +15,6 @@ import rollbench
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.report import changes, scene_page, several
 from rollbench.meshes.parts import SIDES
-from rollbench.reports import scene_html as pages_of_scenes
 from rollbench.reports.cells import with_typographic_signs
 from rollbench.reports.scene_html import read_page_data, scene_page_html
 
@@ -52,12 +50,6 @@ def test_the_page_answers_first_and_needs_nothing_from_outside(page, html: str) 
     (table,) = (i for part in page.parts for i in part.items if getattr(i, "name", "") == "contacts")
     loads = [load for ball in page.results["balls"] for load in ball["load_N"].values() if load]
     assert table.columns["load_of", "refined model"] == pytest.approx(loads)
-
-
-def test_a_picture_is_not_typeset(page, monkeypatch) -> None:
-    monkeypatch.setattr(pages_of_scenes, "_picture_as_base64", lambda _: ("iVBORw0K+um/um=", ""))
-    shown = scene_page_html(replace(page, picture=SimpleNamespace(title="balls", caption="")))
-    assert 'src="data:image/png;base64,iVBORw0K+um/um="' in shown
 
 
 def test_the_manifest_names_what_the_page_was_made_from(html: str) -> None:
@@ -154,11 +146,6 @@ def test_a_bad_file_among_several_is_one_line_and_leaves_what_was_there(both, co
     assert not (folder / "none").exists()
 
 
-def test_files_of_equal_names_have_pages_of_their_own() -> None:
-    names = several._page_file_names(["a/x.toml", "b/X.toml", "index.toml", "x y.toml"])
-    assert names == ["x.html", "X-2.html", "index-2.html", "x-y.html"]
-
-
 def test_view_writes_a_file_and_shows_it(tmp_path, command, monkeypatch) -> None:
     shown: list[str] = []
     monkeypatch.setattr("webbrowser.open", lambda address: bool(shown.append(address)) or True)
@@ -209,22 +196,6 @@ def test_the_page_of_a_double_nut_draws_loads_and_friction_nut_by_nut():
             assert series.y == pytest.approx(lost)
     assert next(iter(items["torques"].columns.values()))[0] == "friction torque"
     assert items["tangent"].columns["component"] == ["uz"], "no row of a held freedom"
-
-
-def test_load_cases_of_an_axis_are_on_its_page_and_side_by_side(tmp_path):
-    (tmp_path / "cases.toml").write_text(ON_A_SHAFT.read_text() + CASES)
-    out = tmp_path / "out"
-    said = changes.write_and_compare_pages([str(tmp_path / "cases.toml"), "smith-axis-taper"], out, tmp_path)
-    assert said.exit_code == 0
-    cases = read_page_data((out / "cases.html").read_text(encoding="utf-8"))["results"]["cases"]
-    lines = re.findall(r"<tr>(.*?)</tr>", (out / "index.html").read_text(encoding="utf-8"), flags=re.DOTALL)
-    for words, group, key in (
-        ("peak pressure", "worst_contact", "pressure_MPa"),
-        ("life by contact loads", "axis_life", "life_million_revolutions"),
-    ):
-        line = next(x for x in lines if words in x)
-        shown = [float(x) for x in re.findall(r"<td[^>]*>([^<]*)", line)[2:4]]
-        assert shown == pytest.approx([case["summary"][group][key] for case in cases], rel=6e-4)
 
 
 def test_a_reference_of_several_sets_is_refused(tmp_path):

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from scipy.io import mmread
 from tests.campaign.draw_axes import axis_text
-from tests.processes import COMMAND, ran
 from tests.slow import all_slow_but
 
 from rollbench.compare.commands.solve import SolveOptions, dmig_text, exit_code_of_solutions, matrix_market_text
@@ -132,18 +131,6 @@ def test_curve_and_matrix_from_the_command_line(tmp_path: Path, command) -> None
     assert moved == sorted(moved)
     assert (tmp_path / "curve.svg").read_text().startswith("<?xml")
     assert mmread(matrix).shape == (6, 6)
-
-
-PIPED = [("solve", "two-balls", "--model", "lin", "--balls"), ("friction", "two-balls", "--model", "lin", "--mu", "0.1")]
-
-
-@pytest.mark.parametrize("words", PIPED)
-def test_a_pipe_gets_plain_text_without_rules(words: tuple[str, ...]) -> None:
-    """No box-drawing, no colours, no line wider than 100."""
-    done = ran(*COMMAND, *words, environ={"FORCE_COLOR": ""})
-    assert done.returncode == 0, done.stderr
-    assert not any(c in done.stdout for c in "┃│━─\x1b")
-    assert max(map(len, done.stdout.splitlines())) <= 100
 
 
 @pytest.mark.parametrize("model", ["lin", "source"])

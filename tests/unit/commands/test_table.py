@@ -88,13 +88,6 @@ def test_a_load_without_equilibrium_is_a_row_with_its_reason(tmp_path, command):
     assert [bool(row["K_uz_uz"]) for row in rows] == [False, True]
 
 
-def test_text_is_no_wider_than_a_hundred_columns(command):
-    over = ("--over", "nut.position=100 mm,900 mm", "--over", "load=1 kN,2 kN", "--over", "screw.conformity=0.52,0.53")
-    every = "stiffness,displacement,load,preload,pressure,life"
-    out = command.said("table", "lin-case3", *over, "--quantities", every)
-    assert max(map(len, out.splitlines())) <= 100
-
-
 def test_stiffness_of_a_row_against_finite_differences_of_the_solution(tmp_path):
     scene, motion = small_screw(4, oversize=4e-6), np.array([2e-6, -1e-6, 3e-6, 2e-5, -1e-5, 0.0])
     station = scene.nut.position

@@ -36,31 +36,3 @@ def test_a_bar_says_on_a_terminal_what_is_done_and_leaves_nothing(monkeypatch, c
     assert shown.endswith("\r\033[K")
     running.show_progress_message("meshes [1/2]")
     assert "meshes [1/2]" in capsys.readouterr().err
-
-
-def test_without_a_terminal_each_stage_is_one_line(monkeypatch, capsys):
-    monkeypatch.setattr(running.sys.stderr, "isatty", lambda: False)
-    said = [
-        "[1/12] contact",
-        "[1/12] contact",
-        "      a step",
-        "[2/12] friction",
-        "sample [17/10000]",
-        "34%",
-        "meshing screw",
-        "WARNING: x",
-    ]
-    monkeypatch.setattr(running, "START", running.monotonic())
-    for text in said:
-        running.show_progress_message(text)
-    assert capsys.readouterr().err == "rollbench: WARNING: x\n", "a short command is silent"
-    monkeypatch.setattr(running, "START", running.monotonic() - 10.0)
-    monkeypatch.setattr(running, "_logged", running.monotonic())
-    for text in said:
-        running.show_progress_message(text)
-    stages = ["[1/12] contact", "[2/12] friction", "meshing screw", "WARNING: x"]
-    assert capsys.readouterr().err.splitlines() == [f"rollbench: {text}" for text in stages]
-    monkeypatch.setattr(running, "_logged", running.monotonic() - 60.0)
-    for _ in range(3):
-        running.show_progress_message("sample [17/10000]")
-    assert capsys.readouterr().err == "rollbench: sample [17/10000]\n", "one in half a minute"

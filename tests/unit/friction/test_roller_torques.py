@@ -34,7 +34,3 @@ def test_ball_or_taper_is_answered_by_one_command(command) -> None:
         torques = one["running_torque_Nmm"], one["starting_torque_Nmm"]
         lives = one["life_million_revolutions"], one["life_hours"], one["L10_million_revolutions"]
         assert None not in (one["nut_tangent_N_per_um"], *torques, *lives)
-
-
-def test_the_onset_of_contact_between_balls_is_printed(command) -> None:
-    assert "neighbours do not touch" in " ".join(command.said("friction", "lin-case1", "--mu", "0.1").split())

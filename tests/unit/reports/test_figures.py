@@ -5,15 +5,14 @@ import re
 from dataclasses import replace
 from xml.etree import ElementTree
 
-import numpy as np
 import pytest
 from tests.report_samples import figure
 
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.sections.sketches import sketch_scene
 from rollbench.reports import figures, pages
-from rollbench.reports.content import Panel, PressureMap, PressurePanel, Series, Sketch
-from rollbench.reports.sketch import FORCE, INK, WIDTH, draw_sketch
+from rollbench.reports.content import Panel, Series, Sketch
+from rollbench.reports.sketch import FORCE, draw_sketch
 
 pytestmark = pytest.mark.xdist_group("a figure")
 
@@ -95,27 +94,6 @@ class TestInAPage:
         ids, used = ids_and_references(text)
         assert used <= ids
 
-    def test_texts_stand_beside_their_points_and_apart(self):
-        x, y = [1.0, 1.1, 1.2, 90.0], [5.0, 5.01, 5.02, 0.1]
-        named = Series("s", x, y, "markers", point_labels=["one", "two", "three", "far"], pale=False)
-        panel = Panel("", "x", "y", [named], log_axes="xy")
-        svg, canvas = figures.draw_figure_and_canvas(figure(panels=[panel], size=(5.0, 3.0)))
-        root = ElementTree.fromstring(svg)
-        found = {"".join(t.itertext()): t for t in root.iter(f"{SVG}text")}
-        heights = sorted(_place(found[name])[1] for name in ("one", "two", "three"))
-        assert min(np.diff(heights)) > 9.0
-        canvas.set_dpi(72.0)  # a pixel of the canvas is a point of the document
-        points = canvas.axes[0].transData.transform(list(zip(x, y, strict=True)))[:, 0]
-        assert _place(found["one"])[0] < min(points)
-        assert _place(found["far"])[0] > max(points)
-
-
-def _place(text):
-    """Where an SVG text stands."""
-    if text.get("x"):
-        return float(text.get("x")), float(text.get("y"))
-    return tuple(float(v) for v in re.search(r"translate\(([-\d.]+)[ ,]+([-\d.]+)", text.get("transform"))[1:])
-
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -123,14 +101,6 @@ SVG = "{http://www.w3.org/2000/svg}"
 def drawn(name: str) -> tuple[Sketch, ElementTree.Element]:
     sketch = sketch_scene(catalogue.scene(name), "s", "S")
     return sketch, ElementTree.fromstring(draw_sketch(sketch))
-
-
-def test_a_screw_shows_nut_balls_support_and_load_with_their_words() -> None:
-    sketch, root = drawn("lin-case3-offset")
-    assert len(list(root.iter(f"{SVG}circle"))) == 32
-    words = {"nut 54 mm, Ø 48", "screw 800 mm, Ø 32", "fixes ux uy rx ry rz", "fixes uy", "ux = 300 µm", "Fz 5 kN"}
-    assert words < {str(t.text) for t in root.iter(f"{SVG}text")}
-    assert re.search(r"lead 20 mm.*ball radii \+7 um", sketch.caption)
 
 
 def test_arrows_point_where_loads_push() -> None:
@@ -143,35 +113,3 @@ def test_arrows_point_where_loads_push() -> None:
         (x, y), (x1, y1), (x2, y2) = (tuple(map(float, point.split(","))) for point in head.split())
         heads.append((x - (x1 + x2) / 2, y - (y1 + y2) / 2))
     assert heads == [pytest.approx(v, abs=0.11) for v in ((9.0, 0.0), (-9.0, 0.0), (0.0, -9.0), (0.0, 9.0))]
-
-
-def test_nothing_leaves_the_drawing_and_inks_follow_the_page() -> None:
-    for name in ("lin-case3-offset", "unseen-four-point", "unseen-63x20"):
-        _, root = drawn(name)
-        for text in root.iter(f"{SVG}text"):
-            assert 0.0 < float(text.get("x", "")) < WIDTH
-            assert text.get("fill") in (INK, FORCE)
-
-
-def test_panels_on_a_phone_keep_their_height_above_one_legend_of_all():
-    """Eight of nine labels stand in both panels: under each panel, their legends would leave no height to the curves."""
-    panels = [
-        Panel(f"panel {k}", "x", "y", [Series(f"model {n}", [1, 2], [n, k]) for n in range(k, 8 + k)]) for k in (0, 1)
-    ]
-    _, canvas = figures.draw_figure_and_canvas(figures.phone_figure(replace(figure(), panels=panels)))
-    (legend,) = canvas.legends
-    assert [text.get_text() for text in legend.get_texts()] == [f"model {n}" for n in range(9)]
-    assert [axes.get_legend() for axes in canvas.axes] == [None, None]
-    assert all(axes.get_position().height * canvas.get_size_inches()[1] > 1.5 for axes in canvas.axes)
-
-
-def test_a_long_text_above_a_pressure_map_leaves_the_panel_its_width():
-    """Counted in the layout, it took the width of the panel, and all of it on a phone."""
-    x, y = (0.1 * axis.ravel() for axis in np.meshgrid(np.arange(-7.0, 8.0), np.arange(-3.0, 4.0)))
-    text = "366.3 N; largest 3029 MPa, peak pressure by Hertz 3000 MPa"
-    panel = PressurePanel("ball 32, SL", x, y, 3e3 - x**2, (0.0, 0.0, 0.5, 0.1), text)
-    svg = figures.draw_pressure_map(PressureMap("p", "P", [panel] * 2, "x", "y", "p / MPa", columns=1, width=3.75))
-    root = ElementTree.fromstring(svg)
-    width = max(float(image.get("width")) for image in root.iter(f"{SVG}image"))
-    assert width > 0.45 * float(root.get("width").removesuffix("pt"))
-    assert "366.3 N; largest 3029 MPa, peak" in words_of(svg)

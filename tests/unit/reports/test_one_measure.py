@@ -97,16 +97,3 @@ def test_the_first_page_has_errors_of_both_models_and_no_empty_cell(monkeypatch)
     assert None not in [cell for row in rows for cell in row.values()]
     of_mean = [row for row in rows if "mean load" in row["quantity"]]
     assert len(of_mean) == 2
-
-
-def test_the_first_page_says_what_became_of_drawn_extreme_scenes() -> None:
-    old = {"version": "1", "scenes": {"right": 9, "wrong": 9}, "bad": []}
-    bad = [{"scene": 1, "again": {"verdict": "right"}}, {"scene": 2, "again": {"verdict": "wrong"}}, {"scene": 3}]
-    new = [
-        {"version": "2", "scenes": {"right": 5, "wrong": 3, "refused, proven": 2}, "bad": bad},
-        {"version": "2", "scenes": {"right": 4}, "bad": []},
-    ]
-    said = overview.stability_sentence([old, *new])
-    counted = ("14 screws", "9 are solved", "2 are refused", "3 were wrong", "1 of them mended")
-    assert [said.count(x) for x in counted] == 5 * [1]
-    assert overview.stability_sentence([]) == ""
