@@ -2,7 +2,6 @@
 
 import csv
 import html
-import json
 import re
 from dataclasses import replace
 from xml.etree import ElementTree
@@ -10,7 +9,6 @@ from xml.etree import ElementTree
 import pytest
 from markdown_it import MarkdownIt
 
-from rollbench.compare.errors import InputError
 from rollbench.compare.gate import publish
 from rollbench.compare.gate.verdict import Judgement, VerdictRow
 
@@ -35,27 +33,6 @@ def test_what_changed_is_said(tmp_path) -> None:
     tighter = replace(before[0], judgement=Judgement.FAIL, limit=3.0)
     (change,) = publish.verdict_changes_since_file(tmp_path / "old.csv", [tighter, *before[1:], row("pass", 2, "life")])
     assert change.as_json()["limit"] == "3"  # that of today
-
-
-@pytest.mark.parametrize(
-    "text", ["", "a,b\n1,2\n", "{}", '{"verdicts": 3}', ",".join(publish.HEADINGS) + "\nx\n", "[" * 99]
-)
-def test_another_file_is_refused(tmp_path, text: str) -> None:
-    (tmp_path / "a.csv").write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match="written by rollbench check"):
-        publish.verdict_changes_since_file(tmp_path / "a.csv", [row("pass", 1)])
-
-
-@pytest.mark.parametrize(("unit", "line"), [("%", "5.12 -> 6.00 %, limit 7"), ("deg", "5.12 deg -> 6.00 deg, limit 7 deg")])
-@pytest.mark.parametrize("of", [{}, {"set": "front"}, {"case": "idle"}, {"set": "front", "case": "idle"}])
-def test_both_forms_name_the_rows_alike(tmp_path, of: dict[str, str], unit: str, line: str) -> None:
-    row = VerdictRow("mine", "a.csv", "largest error", Judgement.PASS, -5.12345, 0.1, 7.0, 4, "SL", unit=unit, **of)
-    (tmp_path / "a.csv").write_text(publish.verdicts_csv([row]), encoding="utf-8")
-    (tmp_path / "a.json").write_text(json.dumps({"verdicts": [row.as_json()]}), encoding="utf-8")
-    for file in (tmp_path / "a.csv", tmp_path / "a.json"):
-        assert publish.verdict_changes_since_file(file, [row]) == []
-        (change,) = publish.verdict_changes_since_file(file, [replace(row, error=-6.0)])
-        assert change.line().endswith(line)
 
 
 def test_the_command_tells_what_changed_since_a_file_of_either_form(command, tmp_path) -> None:

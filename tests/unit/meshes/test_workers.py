@@ -69,8 +69,10 @@ PROGRAMS = {
 
 @pytest.mark.slow
 @pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="looks for processes in /proc")
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGTERM, 143), (signal.SIGINT, 130)])
-@pytest.mark.parametrize("name", PROGRAMS)
+@pytest.mark.parametrize(
+    ("name", "number", "code"),
+    [*((name, signal.SIGKILL, -9) for name in PROGRAMS), ("workers", signal.SIGTERM, 143), ("workers", signal.SIGINT, 130)],
+)
 def test_no_worker_outlives_the_process_that_started_it_and_nobody_waits_for_its_part(name, number, code):
     """Both processes that a program prints are gone soon after its end. One worker is at work, the other has a result that
     is too large for a pipe that nobody reads, as their parent does nothing meanwhile."""

@@ -62,16 +62,6 @@ def test_a_formula_counts_and_a_comment_does_not(package, file, old, new, same):
     assert (digest() == before) == same
 
 
-@pytest.mark.usefixtures("package")
-def test_a_module_as_it_was_is_not_parsed_again(monkeypatch):
-    first = Sources([])
-    known = first.digest(["study_package.own"])
-    again = Sources([])
-    again.modules = first.modules
-    monkeypatch.setattr("ast.parse", None)
-    assert again.digest(["study_package.own"]) == known
-
-
 CALLS: list[str] = []
 
 
@@ -151,13 +141,6 @@ def test_what_cannot_be_stored_is_said_and_returned(tmp_path, capsys):
     assert value(cache_with(tmp_path), Study("odd", (__name__,), lambda _: odd)) is odd
     assert "WARNING: study odd: a value of type object cannot be stored" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
-
-
-def test_a_report_without_folders_computes_everything(tmp_path):
-    value(cache_with(tmp_path))
-    CALLS.clear()
-    value(SceneResultCache(stored_studies=StoredStudies((), None)))
-    assert CALLS == ["study", "radius"]
 
 
 def test_runs_of_a_scene_of_the_user_do_not_count_and_those_of_a_shipped_scene_do(tmp_path):

@@ -265,14 +265,6 @@ def test_the_scene_of_a_program_has_hertz_constants_and_places_of_its_balls():
     assert read["given"]["axial_force"] == read["loads"][0]["force"][2] == 5000.0
 
 
-@pytest.mark.skipif(shutil.which("cc") is None, reason="no compiler here")
-def test_a_program_in_c_is_a_model(tmp_path):
-    made = tmp_path / "equal"
-    subprocess.run(["cc", "-o", made, PROGRAMS / "equal.c", "-lm"], check=True)
-    found = rollbench.solve("lin-case1", rollbench.model_command(f"{made} {{scene.json}} {{loads.csv}}")).loads
-    np.testing.assert_allclose(found[:, [0, 3]], rollbench.solve("lin-case1", "mei").loads[:, 0].mean(), rtol=1e-9)
-
-
 #: A program that answers, every ball alike, and how it ends.
 ANSWER = """
 rows = ["ball,flank,newton"] + [f"{k + 1},{flank},{100.0 + k}" for k in range(32) for flank in ("SL", "SR", "NL", "NR")]

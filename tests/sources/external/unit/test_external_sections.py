@@ -5,30 +5,19 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.sources.entries import of_source, rows
 
 from rollbench.compare.cases.external import page
 from rollbench.compare.cases.external.evidence import scene_name_of_catalogue_size
-from rollbench.compare.evidence import PrintedEntryComparison
 from rollbench.compare.measure import load_error, mean_load
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import run_model
 from rollbench.compare.models.study import SceneResultCache
-from rollbench.compare.models.uncertainty import ErrorWithUncertainty, Uncertainty
 from rollbench.compare.reference import estimate
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sections.u_val import (
-    bias_and_scatter,
-    bias_and_scatter_figure,
-    bias_and_scatter_table,
-    errors_with_u_val_table,
-)
 from rollbench.hifi.condensation import points_clamped_by_bolts
 from rollbench.lowfi.rating.rigidity import approach_per_displacement
 from rollbench.meshes.solid import dimensions_of_3d_parts
-from rollbench.reports.content import Table
-from rollbench.reports.figures import draw_figure
 
 
 def test_ways_differ_in_how_the_nut_is_held_alone() -> None:
@@ -41,17 +30,6 @@ def test_ways_differ_in_how_the_nut_is_held_alone() -> None:
         assert replace(other, nut=scene.nut, solid=scene.solid) == scene
     inner, outer = (found[f"flange, {x} half of its face"].nut.flange for x in ("inner", "outer"))
     assert inner.seat[1] == outer.seat[0] == pytest.approx(51.25e-3)
-
-
-def test_a_model_with_a_rigid_nut_sees_no_difference(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(page, "DEFAULT", "lin")
-    monkeypatch.setattr(page, "SIZES", ("bnf-4010-5",))
-    section = page.fixation_section(SceneResultCache(), lambda _: None)
-    (table,) = (item for item in section.items if isinstance(item, Table))
-    assert "load by +0.0 to +0.0 %" in section.conclusion
-    by_model = [row for row in table.rows if row["model_or_level"] == "lin"]
-    assert [row["rigidity_change"] for row in by_model] == 7 * [0.0]
-    assert table.columns["catalogue_share"][0] == pytest.approx(0.62, abs=0.06)
 
 
 def stored_ways() -> list[dict[str, Any]]:
@@ -68,17 +46,6 @@ def fixation_rows(monkeypatch: pytest.MonkeyPatch, stored: list[dict[str, Any]])
     monkeypatch.setattr(page, "DEFAULT", "lin")
     monkeypatch.setattr(page, "stored_fixation_results", lambda _: stored)
     return page.fixation_table_rows(SceneResultCache(), "bnf-4010-5")
-
-
-def test_rows_and_words_of_3d_are_those_of_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
-    rows = fixation_rows(monkeypatch, stored_ways())
-    left, whole, bolts = (row for row in rows if row["model_or_level"] == "3D, level 1")
-    assert [row["fixed_surface"] for row in (left, whole, bolts)] == ["left face", page.WHOLE, page.BOLTED]
-    assert whole["largest_load_g4"] == 60.0
-    assert whole["axial_rigidity"] == pytest.approx(400.0)
-    assert (bolts["load_change"], bolts["rigidity_change"]) == (100.0, -50.0)
-    said = page.flange_bolts_sentence()
-    assert [number in said for number in ("+150.00 %", " 150.00 %", "106.07 % RMS", "-50.00 %")] == 4 * [True]
 
 
 def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -104,13 +71,6 @@ def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.Mon
     words = page.mesh_uncertainty_sentence(rows)
     assert "2.00 points (largest load)" in words
     assert "rigidity itself by 2.00 %" in words
-
-
-def test_a_level_without_the_left_face_has_no_rows(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Changes of a level are over its own left face."""
-    rows = fixation_rows(monkeypatch, [x for x in stored_ways() if x["held"] != "left face"])
-    assert {row["model_or_level"] for row in rows} == {"lin"}
-    assert page.mesh_uncertainty_sentence(rows) == "Nothing was solved in 3D."
 
 
 STORED = page.stored_fixation_results(shipped_store())
@@ -157,44 +117,3 @@ def test_six_bolts_hold_six_circles_of_the_annulus() -> None:
     sixths = np.arctan2(y.ravel()[held], x.ravel()[held]) * 3.0 / np.pi
     assert set(np.round(sixths).astype(int) % 6) == set(range(6))
     assert np.abs(sixths - np.round(sixths)).max() < 0.25
-
-
-def test_every_external_table_has_a_title():
-    assert sorted(page.TITLES) == sorted(page.SOURCES) == of_source("external")
-
-
-def test_summary_counts_what_comes_out():
-    computed = {"radial": 15.1102, "tilt": 3.65, "axial": 140.0}
-    found = [PrintedEntryComparison(rows("external-masta")[key], value) for key, value in computed.items()]
-    said = page.agreement_sentence(found)
-    assert said.startswith("2 of 3 published values")
-    assert "1 within a band" in said
-
-
-def test_what_was_inferred_is_listed():
-    study = SceneResultCache()
-    study.record_used_scenes(("external-masta-radial", "external-thk-bnf-4010-5"))
-    cases = set(page.assumptions_table(study).columns["example"])
-    assert {"external-masta-radial", "external-thk-bnf-4010-5", "external-gmn", "external-snfa"} <= cases
-
-
-def test_catalogue_over_the_three_rigidities():
-    rigidities = {"contacts": 1000.0, "bodies": 900.0, "unequal_loads": 800.0}
-    stages = {f"rigidity_of_{key}": value for key, value in rigidities.items()} | {"rigidity_catalogue": 600.0}
-    (row,) = page.nut_rigidities_table(SceneResultCache(reference_folders=()), [("a", 5000.0, stages)], ()).rows
-    shares = [row[f"catalogue_share_of_{key}"] for key in rigidities]
-    assert np.allclose(shares, [0.6, 2.0 / 3.0, 0.75])
-
-
-def test_u_val_says_what_an_error_is_worth_and_bias_and_scatter_are_drawn():
-    u_val = Uncertainty(discretisation=0.1, choices=0.3, inputs=1.0)
-    small = ErrorWithUncertainty("s", "refined", "contact loads", 0.5, u_val, 1.0, 0.8, (1.0,))
-    large = ErrorWithUncertainty("s", "lin", "contact loads", -6.0, u_val, 0.5, 0.2, (0.9,))
-    says = errors_with_u_val_table([small, large]).columns["error_beyond_u_val"]
-    assert says == [
-        "model error within u_val: not distinguishable from zero",
-        "the model is in error, by model error ± u_val",
-    ]
-    table = bias_and_scatter_table(bias_and_scatter([small, large]))
-    assert table.columns["share_within_own"] == [80.0, 20.0]
-    assert "<svg" in draw_figure(bias_and_scatter_figure(table))

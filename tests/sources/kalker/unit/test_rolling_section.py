@@ -3,19 +3,14 @@
 import json
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
-from rollbench.compare.cases.kalker import page as rolling
-from rollbench.compare.cases.kalker.evidence import AS_RUNS, BY_GRID, RESOLVED, Verification
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.studies.rolling import rows as rolling_rows
 from rollbench.compare.studies.rolling import runs
-from rollbench.reports.content import PressureMap, Text
-from rollbench.reports.figures import draw_pressure_map
 
 #: Ball-to-ball forces and torques of the low-order models.
 LOW = {"lin-pair-a": 4.0651, "lin-pair-b": 0.0, "lin-screw-pair-a": 0.98316, "lin-screw-pair-b": 1.29143}
@@ -32,54 +27,6 @@ def _low(monkeypatch):
         return {"torque N mm" if "rotary" in name else "force 1-2 N": LOW[name]}, 1e-3, "converged"
 
     monkeypatch.setattr(rolling_rows, "solve_low_order", low_order)
-
-
-@pytest.mark.usefixtures("_low")
-def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
-    proof = [Verification("Carter", "force", (0.51, 0.505, 0.501), 0.5, 0.5, 0.501)]
-    for way, error in ((BY_GRID, -1.5), (RESOLVED, 0.05), (AS_RUNS, 0.02), (AS_RUNS, -0.01)):
-        value = 1.0 + 0.01 * error
-        proof.append(Verification(f"full slip {way}, pole inside", "force", (1.0,) * 3, 1.0, 2.0, value))
-    proof.append(Verification("balls that touch, over a patch", "loss", (1.0, 1.0, 0.9), 1.0, 20.0, 0.9))
-    shares = ((0.005, 0.004), (0.005, 0.005))
-    series = (rolling_rows.RunFromRest(10, (0.01, 0.02), (0.0, 4.0), shares, 4.0, 1.0, "converged"),)
-    variants = {"as shipped": dict.fromkeys(runs.NAMES, 1.0)}, "Kept."
-    at = np.array([[0.0, 0.0], [1e-5, 0.0], [0.0, 1e-5], [1e-5, 1e-5]])
-    sticks = np.array([True, False, False, False])
-    field = rolling.SlipAndTractionField("one", at, 1e-2 * at, 1e12 * at, sticks, (1e-5, 1e-5))
-    choices = [{"change_within_uncertainty": word} for word in ("beyond", "within")]
-    solves = {
-        "verifications_of_rolling_model": proof,
-        "runs_from_rest": series,
-        "find_body_variants": variants,
-        "slip_and_traction_of_drawn_contacts": (field,),
-        "force_changes_by_numerical_choices": choices,
-    }
-    for name, found in solves.items():
-        monkeypatch.setattr(rolling, name, lambda *_, found=found, **__: found)
-    section = rolling.make_section(SceneResultCache(), lambda _: None)
-    tables = {item.name: item for item in section.items if hasattr(item, "rows")}
-    assert tables["rolling-verification"].columns["exact_reached"][0] == "reached"
-    forces = {row["scene"]: row for row in tables["rolling-pairs"].rows if row["quantity"] == "force 1-2"}
-    pair = forces["lin-pair-a"]
-    assert (pair["lin_low_order"], pair["lin_ansys"], forces["lin-screw-pair-b"]["lin_ansys"], pair["load_assumption"]) == (
-        4.01,
-        3.96,
-        2.71,
-        None,
-    )
-    assert abs(pair["low_order_error"]) < 2.0
-
-    words = " ".join(line for item in section.items if isinstance(item, Text) for line in item.paragraphs)
-    assert [share in words for share in ("to 10 %", "1.5 %", "0.05 %", "0.02 %")] == 4 * [True]
-    assert tables["rolling-choices"].columns["change_within_uncertainty"] == ["beyond", "within"]
-    finite = {row["scene"]: row for row in tables["rolling-bodies"].rows if row["quantity"] in ("force 1-2", "torque")}
-    assert finite["lin-pair-a"]["change_by_finite_bodies"] == pytest.approx(-0.21, abs=0.03)
-    assert finite["lin-pair-b"]["change_by_finite_bodies"] is None  # of nothing
-    assert all(abs(row["change_by_finite_bodies"] or 0.0) < 0.25 for row in finite.values())
-    maps = {item.name: item for item in section.items if isinstance(item, PressureMap)}
-    assert "sticks" in draw_pressure_map(maps["rolling-traction"])
-    assert max(maps["rolling-slip"].panels[0].values) == 1.0
 
 
 @pytest.mark.usefixtures("_low")

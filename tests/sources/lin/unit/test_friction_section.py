@@ -9,8 +9,6 @@ from tests.sources.entries import found
 from rollbench.compare.cases.lin.evidence import rotary_linear
 from rollbench.compare.cases.lin.pages import friction
 from rollbench.compare.evidence import evidence
-from rollbench.compare.models.study import SceneResultCache
-from rollbench.compare.sections.how_to_read import rows_of_assumed_inputs
 from rollbench.reports.content import Section
 
 TABLES = ("lin-3.2", "lin-3.3", "lin-3.4", "lin-3.5", "lin-G")
@@ -80,21 +78,6 @@ def test_curves_pass_through_the_printed_cases_and_differences_add_up(section):
     for k in (0, 3):
         for ours, formula, off in zip(*(panel.series for panel in force.panels[k : k + 3]), strict=True):
             np.testing.assert_allclose(np.subtract(formula.y, ours.y), off.y, atol=1e-12)
-
-
-#: Scenes of the cases of 3.2: as computed here, and with the source's constants and law; and those of 3.3.
-ROTARY = [f"lin-rotary-{case}{end}" for case in "123" for end in ("", "-printed")]
-SCENES = (*ROTARY, "lin-pair-a", "lin-pair-b", "lin-pair-worst")
-
-
-def test_scenes_of_friction_are_used_and_their_assumptions_shown():
-    study = SceneResultCache()
-    evidence(study, *TABLES)
-    assert set(study.used_scenes) == set(SCENES)
-    rows = {row["assumed_value"]: row["assumed_for"] for row in rows_of_assumed_inputs(study)}
-    for name, scene in study.used_scenes.items():
-        for sentence in scene.assumed:
-            assert rows[sentence] == "all" or name in rows[sentence].split(", ")
 
 
 def test_poles_stay_in_the_linear_range_and_only_the_mated_design_keeps_the_gap(section):
