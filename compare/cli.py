@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import os
 import re
 import signal
@@ -18,7 +17,7 @@ from types import FrameType
 
 from cyclopts import App, CycloptsError, Group
 
-from rollbench.compare.commands.terminal import app
+from rollbench.compare.commands.terminal import app, join_paragraph_lines
 from rollbench.compare.errors import ArgumentError, InputError, one_line
 from rollbench.compare.running import clear_progress_line, input_error_of_failed_import, restart_clock
 from rollbench.compare.text.printing import StandardOutputError, guard_standard_output
@@ -71,20 +70,6 @@ def app_with_commands(first: str = "") -> App:
         import_module(f"rollbench.compare.commands.{modules[name]}")
     group_commands_in_help(app)
     return app
-
-
-def join_paragraph_lines(doc: str | None) -> str:
-    r"""Return a docstring with each paragraph on one line, so that the help text can be wrapped to the terminal's width.
-
-    ``doc``: the docstring; None gives an empty text.
-
-    Examples
-    --------
-    >>> join_paragraph_lines("Solve.\n\nParameters\n----------\nscene\n    A name,\n    or a file.").splitlines()[-1]
-    '    A name, or a file.'
-    """
-    paragraph = r"(?m)^( *)(?!-+$|Parameters$)\S.*(?:\n\1\S.*)+"
-    return re.sub(paragraph, lambda match: re.sub(r"\n *", " ", match[0]), inspect.cleandoc(doc or ""))
 
 
 def group_commands_in_help(app: App) -> None:

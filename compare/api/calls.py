@@ -645,12 +645,12 @@ def check(
     >>> verdict.word, round(verdict.worst.error, 1), verdict.worst.limit
     ('fail', 7.3, 7.0)
     """
-    from rollbench.compare.gate.user import gate_request
+    from rollbench.compare.gate.user import GateRequest
     from rollbench.compare.results.verdict import judge_scenes
 
     described = _scene_record(scene)
     _check_numbers(max_error=max_error, levels=levels)
-    request = gate_request(
+    request = GateRequest(
         model=model,
         loads=None if loads is None else Path(loads),
         values=None if values is None else Path(values),

@@ -95,27 +95,23 @@ def measure_scenes(names: Sequence[str], *, long: bool) -> CommandOutput:
     """
     from rollbench.compare.models.study import SceneResultCache
     from rollbench.compare.reference.store import measuring_conditions
-    from rollbench.compare.sections.reference_time import (
-        error_and_time_points,
-        level_time_jobs,
-        model_time_jobs,
-        references_of_compared_scenes,
-        run_times_to_show,
-    )
+    from rollbench.compare.sections import reference_time
     from rollbench.compare.studies.run_times import measure_and_store, time_ensemble
 
     study = SceneResultCache()
-    known = references_of_compared_scenes(study)
+    known = reference_time.references_of_compared_scenes(study)
     for name in names:
         if name not in known:
             raise ArgumentError("names", name, ", ".join(known), "choose scenes that have a 3D reference")
-    jobs = model_time_jobs(study, names) | (level_time_jobs(study, names) if long else {})
+    jobs = reference_time.model_time_jobs(study, names) | (reference_time.level_time_jobs(study, names) if long else {})
     kept = measure_and_store(None, measuring_conditions(), jobs, show_progress_message)
-    study.computed_values[run_times_to_show, show_progress_message] = kept
+    study.computed_values[reference_time.run_times_to_show, show_progress_message] = kept
     rows = [
         row
         for name in names
-        for row in run_time_rows_of_scene(name, error_and_time_points(name, known[name], study, show_progress_message))
+        for row in run_time_rows_of_scene(
+            name, reference_time.error_and_time_points(name, known[name], study, show_progress_message)
+        )
     ]
     rows.append(time_ensemble())
     return CommandOutput([asdict(row) for row in rows], _run_time_tables(rows))

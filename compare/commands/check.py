@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 from rollbench.compare.commands import terminal
-from rollbench.compare.errors import ArgumentError, InputError
+from rollbench.compare.errors import InputError
 from rollbench.compare.running import show_progress_message
 from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table, text_width
 
@@ -24,17 +24,27 @@ if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import ComputingSettings
 
 
+@Parameter(name="*")
 @dataclass(frozen=True)
 class VerdictFiles:
-    """Files to which ``rollbench check`` writes its verdicts, and an earlier such file (baseline) to compare them with."""
+    """Files to which ``rollbench check`` writes its verdicts, and an earlier such file (baseline) to compare them with.
 
-    #: File for the verdicts as JUnit XML; None: not written.
+    Attributes
+    ----------
+    junit
+        Also write the verdicts to this file as JUnit XML.
+    markdown
+        Also write the verdicts to this file as Markdown for a comment, with a chart of the worst ball and its neighbours,
+        and append them to the job summary of the CI (the file named by GITHUB_STEP_SUMMARY).
+    csv
+        Also write the verdicts to this CSV file.
+    baseline
+        Report which verdicts changed since this file was written by an earlier --csv or --json.
+    """
+
     junit: Path | None = None
-    #: File for the verdicts as Markdown; None: not written.
     markdown: Path | None = None
-    #: File for the verdicts as CSV; None: not written.
     csv: Path | None = None
-    #: Earlier file of verdicts, with which the new ones are compared; None: no comparison.
     baseline: Path | None = None
 
     def changes_since_baseline(self, outcomes: Sequence[Outcome]) -> list[VerdictChange]:
@@ -59,6 +69,9 @@ class VerdictFiles:
 
         written = write_verdicts(outcomes, notes, junit_file=self.junit, markdown_file=self.markdown, csv_file=self.csv)
         return [f"wrote {path}" for path in written]
+
+
+VerdictFiles.__doc__ = terminal.join_paragraph_lines(VerdictFiles.__doc__)
 
 
 def judge_and_report(
@@ -104,25 +117,19 @@ def check_shipped_data(cache: SceneResultCache, max_error: float) -> list[GateCh
 
     ``cache``: cache of computed values. ``max_error``: largest permitted error of contact loads [%].
     """
-    from rollbench.compare.gate.gate import (
-        check_closed_forms,
-        check_default_model,
-        check_external_tolerance_bands,
-        check_known_errors_of_lin_model,
-        check_published_entries,
-        check_solvers,
-    )
+    from rollbench.compare.gate import gate
     from rollbench.compare.studies.rolling.rows import checks_of_rolling_balls
 
-    return [
-        *check_published_entries(cache, max_error),
-        *check_closed_forms(cache, max_error),
-        *check_solvers(cache, max_error),
-        *check_default_model(cache, max_error),
-        *check_known_errors_of_lin_model(cache, max_error),
-        *checks_of_rolling_balls(cache, max_error),
-        *check_external_tolerance_bands(cache),
-    ]
+    checks = (
+        gate.check_published_entries,
+        gate.check_closed_forms,
+        gate.check_solvers,
+        gate.check_default_model,
+        gate.check_known_errors_of_lin_model,
+        checks_of_rolling_balls,
+    )
+    found = [row for check in checks for row in check(cache, max_error)]
+    return found + gate.check_external_tolerance_bands(cache)
 
 
 def report_shipped_data_checks(max_error: float | None, files: VerdictFiles, *, verbose: bool = False) -> CommandOutput:
@@ -192,10 +199,7 @@ def check(
     stored: Path | None = None,
     no_compute: terminal.Flag = False,
     store: Path = Path("rollbench-reference"),
-    junit: Path | None = None,
-    markdown: Path | None = None,
-    csv: Path | None = None,
-    baseline: Path | None = None,
+    verdict_files: VerdictFiles | None = None,
     printed: terminal.Flag = False,
     source: terminal.Names = None,
     only: terminal.Names = None,
@@ -255,15 +259,6 @@ def check(
         Compute no run of the reference.
     store
         Folder of stored runs of the reference, used in addition to the shipped runs.
-    junit
-        Also write the verdicts to this file as JUnit XML.
-    markdown
-        Also write the verdicts to this file as Markdown for a comment, with a chart of the worst ball and its neighbours,
-        and append them to the job summary of the CI (the file named by GITHUB_STEP_SUMMARY).
-    csv
-        Also write the verdicts to this CSV file.
-    baseline
-        Report which verdicts changed since this file was written by an earlier --csv or --json.
     printed
         Judge the numbers and claims that publications print. Exit code 1 if a verdict differs from the expected one.
     source
@@ -273,22 +268,21 @@ def check(
     verbose
         Without scenes: also list the checks that pass.
     """
-    model = terminal.model_or_program_name(program, model)
+    model, files = terminal.model_or_program_name(program, model), verdict_files or VerdictFiles()
     if printed:
         given: dict[str, object] = {"scenes": scenes, "model": model, "loads": loads, "values": values}
         given |= {"max_error": max_error, "limits": limit, "strict": strict, "reference": reference, "levels": levels}
-        given |= {"stored": stored, "no_compute": no_compute, "junit": junit, "markdown": markdown, "csv": csv}
+        given |= {"stored": stored, "no_compute": no_compute, **asdict(files)}
         advice = "leave it out, because printed numbers have limits of their own"
-        refuse_given_arguments(given | {"baseline": baseline}, "only without --printed", advice)
+        terminal.refuse_given_arguments(given, "only without --printed", advice)
         from rollbench.compare.commands.printed import judge_printed_numbers
 
         return print_command_output(judge_printed_numbers(source or (), only or ()), as_json)
-    refuse_given_arguments({"source": source, "only": only}, "only with --printed", "add --printed")
-    from rollbench.compare.gate.user import gate_request
+    terminal.refuse_given_arguments({"source": source, "only": only}, "only with --printed", "add --printed")
+    from rollbench.compare.gate.user import GateRequest
     from rollbench.compare.reference.jobs import ComputingSettings
 
-    files = VerdictFiles(junit, markdown, csv, baseline)
-    request = gate_request(
+    request = GateRequest(
         model=model,
         loads=loads,
         values=values,
@@ -306,17 +300,5 @@ def check(
         return print_command_output(judge_and_report(scenes, request, engine, files), as_json)
     given = {"model": model, "loads": loads, "values": values, "limits": limit}
     given |= {"reference": reference, "strict": strict, "levels": levels, "stored": stored, "no_compute": no_compute}
-    refuse_given_arguments(given, "only together with a scene", "state the scenes to judge")
+    terminal.refuse_given_arguments(given, "only together with a scene", "state the scenes to judge")
     return print_command_output(report_shipped_data_checks(max_error, files, verbose=verbose), as_json)
-
-
-def refuse_given_arguments(given: Mapping[str, object], allowed: str, advice: str) -> None:
-    """Raise ArgumentError if the user stated one of the arguments ``given``, none of which may be used here.
-
-    ``given``: values by name of the argument. ``allowed``, ``advice``: when the arguments may be used, and what to do, as
-    texts of the error.
-    """
-    for name, value in given.items():
-        if value:
-            text = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
-            raise ArgumentError(name, text, allowed, advice)

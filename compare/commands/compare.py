@@ -13,14 +13,11 @@ from rollbench.compare.running import check_packages, show_progress_message
 from rollbench.compare.text import printing
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
-
     from rollbench.compare.models.comparison import SceneWithReference
     from rollbench.compare.reference.estimate import Reference
     from rollbench.compare.reference.jobs import ComputingSettings
-    from rollbench.compare.results.compared import ModelLoads, NutOrBearingComparison
-    from rollbench.compare.results.comparison import ByCase
-    from rollbench.compare.scenes.duty_cycle import DutyCycle, FrictionScene
+    from rollbench.compare.results.compared import ModelLoads
+    from rollbench.compare.scenes.duty_cycle import FrictionScene
     from rollbench.compare.studies.rolling.rows import RollingComparisonRow
     from rollbench.meshes.parts import Scene
     from rollbench.reports.content import Figure
@@ -94,10 +91,10 @@ def compare_and_report(
 
     chosen = [model_by_name(name, "models") for name in models]
     described = [catalogue.scene_of_any_kind(name) for name in names]
-    for name, beside in (("levels", levels is not None), ("fresh", fresh)) if reference is not None else ():
-        if beside:
-            advice = "leave one of the two out, because the file of `reference` replaces the 3D reference"
-            raise ArgumentError(name, "this option with `reference`", "only without `reference`", advice)
+    if reference is not None:
+        advice = "leave one of the two out, because the file of `reference` replaces the 3D reference"
+        given = {"levels": levels, "fresh": fresh}
+        terminal.refuse_given_arguments(given, "only without `reference`", advice, "this option with `reference`")
     how: dict[str, Any] = {"store": store, "levels": levels, "fresh": fresh, "reference": reference}
     found = prepare_comparison(described, names, chosen, engine, show_progress_message, **how)
     origins = [(x, name) for one, name in zip(described, names, strict=True) for x in scenes_to_solve(one, name)]
@@ -122,12 +119,20 @@ def compare_and_report(
             warned = []
             headings, answers = model_and_reference_rows(whole)
             yield from (format_table_as_text(answers, printing.text_width(), headings), "")
-            yield from (model_errors_table(whole.models, whole.reference_loads), "")
+            cells = map(_model_table_cells, (whole.reference_loads, *whole.models))
+            yield from (printing.plain_table(MODEL_COLUMNS, cells, MODEL_COLUMNS[:1]), "")
             if verbose:
                 yield from (whole.uncertainty.words, f"rule of rollbench check: {RULE}")
-                yield from displacement_origin_lines(whole)
+                if whole.unloaded_position:
+                    yield (
+                        "displacements of models and reference are measured from the position without loads, which is "
+                        f"{1e6 * whole.unloaded_position:.3g} um from the nominal position by the model "
+                        f"{whole.judged_model.title}"
+                    )
             if balls:
-                yield from (contact_loads_table(one.scene, whole.models, one.reference), "")
+                rows = contact_load_rows(one.scene, whole.models, one.reference)
+                listed = [{k.removesuffix("_N"): v for k, v in row.items() if k != "scene"} for row in rows]
+                yield from (printing.table_of_records(listed, ".2f", f"{one.scene.name}: contact loads / N"), "")
             bodies = path_of_condensed_bodies(one.scene, one.reference, stores) if one.place_on_shaft is None else None
             if bodies is not None:
                 name = next(name for scene, name in origins if scene is one.scene)
@@ -136,7 +141,9 @@ def compare_and_report(
             yield write_contact_loads(one.scene, whole.models, one.reference, store)
             if not verbose:
                 yield "--verbose also shows: causes of the uncertainty, rule of rollbench check, times of stored runs"
-        yield from (line for cycle in distinct_duty_cycles(cases) for line in duty_cycle_lines(cycle, dict(comparisons)))
+        for cycle in distinct_duty_cycles(cases):
+            for summary in cycle_summaries_json(cycle, dict(comparisons)):
+                yield from ("", _duty_cycle_sentence(summary))
 
     def json_output() -> dict[str, Any]:
         """Return the JSON output: loads of every contact, and results and errors of the models, for each scene."""
@@ -159,26 +166,6 @@ def compare_and_report(
 
     code = exit_code_of_references(one.reference for sets in found.references for one in sets)
     return printing.CommandOutput(json_output, terminal_parts(), code)
-
-
-def contact_loads_table(scene: Scene, models: Sequence[ModelLoads], reference: Reference) -> Any:
-    """Return the table, for the terminal, of the loads at every contact of a scene by models and reference.
-
-    ``models``: loads by models and coarser meshes.
-    """
-    rows = contact_load_rows(scene, models, reference)
-    listed = [{k.removesuffix("_N"): v for k, v in row.items() if k != "scene"} for row in rows]
-    return printing.table_of_records(listed, ".2f", f"{scene.name}: contact loads / N")
-
-
-def duty_cycle_lines(cycle: DutyCycle, each: ByCase) -> list[str]:
-    """Return lines for the terminal with a model's largest error and the life of each nut or bearing over a duty cycle.
-
-    ``each``: comparisons of models with the 3D reference, by the names of load case and of nut or bearing.
-    """
-    from rollbench.compare.results.comparison import cycle_summaries_json
-
-    return [line for data in cycle_summaries_json(cycle, each) for line in ("", _duty_cycle_sentence(data))]
 
 
 def _duty_cycle_sentence(data: dict[str, Any]) -> str:
@@ -249,39 +236,21 @@ def compare(
     """
     wanted = None if levels is None else parse_levels(levels)
     command = terminal.model_or_program_name(program)
-    means_nothing = {"model": model is not None, "model_command": command != ""}
-    means_nothing |= {"balls": balls, "verbose": verbose, "reference": reference is not None}
-    rolling = scenes_of_friction_or_none(scenes, bodies, means_nothing)
+    unused = {"model": model, "model_command": command, "balls": balls, "verbose": verbose, "reference": reference}
+    rolling = scenes_of_friction_or_none(scenes, bodies, unused)
     engine = terminal.engine_from_options(where)
     if rolling:
-        answer = compare_rolling_and_report(rolling, wanted, store, engine, fresh=fresh, bodies=bodies)
+        from rollbench.compare.studies.rolling.rows import rolling_comparison
+
+        rows = rolling_comparison(rolling, wanted, store, engine, fresh=fresh, bodies=bodies)
+        shown = dict.fromkeys(row.scene for row in rows)
+        tables = (rolling_comparison_table(name, [row for row in rows if row.scene == name]) for name in shown)
+        answer = printing.CommandOutput({"rows": [row.as_json() for row in rows]}, tables)
     else:
         models = [*(model or ()), *filter(None, [command])]
         how: dict[str, Any] = {"fresh": fresh, "balls": balls, "verbose": verbose, "reference": reference}
         answer = compare_and_report(scenes, models, wanted, store, engine, **how)
     return printing.print_command_output(answer, as_json)
-
-
-def compare_rolling_and_report(
-    scenes: Sequence[FrictionScene],
-    levels: tuple[int, ...] | None,
-    store: Path,
-    engine: ComputingSettings,
-    *,
-    fresh: bool,
-    bodies: str,
-) -> printing.CommandOutput:
-    """Compare the low-order models of friction with the 3D model of rolling contact, and return a table for each scene.
-
-    ``levels``: levels of the 3D model's grids; None: all. ``store``: folder of its stored runs. ``engine``: computes
-    missing runs. ``fresh``: compute stored runs again. ``bodies``: "half-space", or "finite" for bodies of finite size.
-    """
-    from rollbench.compare.studies.rolling.rows import rolling_comparison
-
-    rows = rolling_comparison(scenes, levels, store, engine, fresh=fresh, bodies=bodies)
-    shown = dict.fromkeys(row.scene for row in rows)
-    tables = (rolling_comparison_table(name, [row for row in rows if row.scene == name]) for name in shown)
-    return printing.CommandOutput({"rows": [row.as_json() for row in rows]}, tables)
 
 
 #: Scenes for which only friction is computed and which have a 3D reference, as words of a message.
@@ -291,12 +260,12 @@ SINGLE_BALLS = (
 
 
 def scenes_of_friction_or_none(
-    names: Sequence[str], bodies: str, unused_arguments: Mapping[str, bool]
+    names: Sequence[str], bodies: str, unused_arguments: Mapping[str, object]
 ) -> list[FrictionScene]:
     """Return the named scenes if all have only single rolling balls; an empty list if all are whole screws and bearings.
 
     ``names``: names or files of the scenes. ``bodies``: bodies of the 3D model, "half-space" or "finite".
-    ``unused_arguments``: for each argument that has no effect on scenes of single rolling balls, whether the user gave it.
+    ``unused_arguments``: values of the arguments that have no effect on scenes of single rolling balls.
     Raises InputError if only some scenes have only single rolling balls, for an unknown value of ``bodies``, for finite
     bodies with whole screws, and for an argument without effect.
     """
@@ -318,10 +287,11 @@ def scenes_of_friction_or_none(
             raise ArgumentError("bodies", bodies, f"only for {SINGLE_BALLS}", advice)
         return []
     check_packages("scikit-fem")
-    for argument in (name for name, given in unused_arguments.items() if given):
-        advice = "leave it out: it would change nothing"
-        given = "this option for scenes of single balls that roll with friction"
-        raise ArgumentError(argument, given, "only for scenes of whole screws and bearings", advice)
+    given, advice = (
+        "this option for scenes of single balls that roll with friction",
+        "leave it out: it would change nothing",
+    )
+    terminal.refuse_given_arguments(unused_arguments, "only for scenes of whole screws and bearings", advice, given)
     return rolling
 
 
@@ -338,20 +308,6 @@ MODEL_COLUMNS = (
     "axial\nuz um",
     "time\ns",
 )
-
-
-def displacement_origin_lines(comparison: NutOrBearingComparison) -> list[str]:
-    """Return a line on the position from which displacements are measured; no line if that is the nominal position.
-
-    ``comparison``: comparison of models with the reference for one nut or bearing.
-    """
-    if not comparison.unloaded_position:
-        return []
-    return [
-        f"displacements of models and reference are measured from the position without loads, which is "
-        f"{1e6 * comparison.unloaded_position:.3g} um from the nominal position by the model "
-        f"{comparison.judged_model.title}"
-    ]
 
 
 def _model_table_cells(compared_loads: ModelLoads) -> list[str]:
@@ -376,14 +332,6 @@ def _model_table_cells(compared_loads: ModelLoads) -> list[str]:
         f"{1e6 * uz:.3f}" if np.isfinite(uz) else "–",
         time,
     ]
-
-
-def model_errors_table(models: Sequence[ModelLoads], reference: ModelLoads) -> RenderableType:
-    """Return the table with a row for each model and coarser mesh and its errors, after a first row for the reference.
-
-    ``models``: loads and errors of models and coarser meshes. ``reference``: loads of the reference.
-    """
-    return printing.plain_table(MODEL_COLUMNS, map(_model_table_cells, (reference, *models)), MODEL_COLUMNS[:1])
 
 
 def contact_load_rows(scene: Scene, models: Sequence[ModelLoads], reference: Reference) -> list[dict[str, Any]]:

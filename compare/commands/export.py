@@ -163,47 +163,36 @@ def write_part_mesh(
     running.check_gmsh()
     running.check_packages("scikit-fem")
     from rollbench.compare.files import replaced_file
-    from rollbench.compare.studies.export import (
-        BLOCK,
-        BODIES,
-        SOCKETS,
-        names_of_exportable_parts,
-        part_mesh,
-        solve_displacement_and_stress_of_part,
-    )
-    from rollbench.meshes.exchange.mesh_files import (
-        FORMATS,
-        check_packages_for_format,
-        loses_nodes_in_format,
-        mesh_format,
-        write_mesh,
-    )
+    from rollbench.compare.studies import export as parts
+    from rollbench.meshes.exchange import mesh_files
 
-    if part not in names_of_exportable_parts(scene):
-        raise ArgumentError("part", part, ", ".join(names_of_exportable_parts(scene)), "choose one of these")
-    if form and form not in FORMATS:
-        raise ArgumentError("format", form, ", ".join(FORMATS), "choose one of these, or let the file's suffix decide")
+    if part not in parts.names_of_exportable_parts(scene):
+        raise ArgumentError("part", part, ", ".join(parts.names_of_exportable_parts(scene)), "choose one of these")
+    if form and form not in mesh_files.FORMATS:
+        raise ArgumentError(
+            "format", form, ", ".join(mesh_files.FORMATS), "choose one of these, or let the file's suffix decide"
+        )
     if out is None:
         out = Path(f"{scene.name}-{part}.{form or 'vtu'}")
     elif out.suffix == "":
         out = out.with_name(f"{out.name}.{form or 'vtu'}")
     try:
-        form = mesh_format(out, form)
-        check_packages_for_format(form)
+        form = mesh_files.mesh_format(out, form)
+        mesh_files.check_packages_for_format(form)
     except ValueError:
-        allowed = ", ".join(f".{name}" for name in FORMATS)
+        allowed = ", ".join(f".{name}" for name in mesh_files.FORMATS)
         advice = "change the suffix, or add `format`"
         raise ArgumentError("out", str(out), f"a name that ends in {allowed}", advice) from None
     except ImportError as error:
         raise ArgumentError("format", form, "a format whose packages are installed", str(error)) from None
-    if ball is not None and not (1 <= ball <= scene.ball_count and part != BLOCK and form != "inp"):
+    if ball is not None and not (1 <= ball <= scene.ball_count and part != parts.BLOCK and form != "inp"):
         allowed = f"1 to {scene.ball_count}, with a part of the scene and the format vtu, msh or med"
         advice = "leave `ball` out to write the mesh without displacement and stress"
         raise ArgumentError("ball", str(ball), allowed, advice)
     lines = []
-    if ball is not None and part in BODIES:
-        lines.append(f"wrote {part}{SOCKETS} instead, because the {part} is solved with a socket at every contact")
-        part += SOCKETS
+    if ball is not None and part in parts.BODIES:
+        lines.append(f"wrote {part}{parts.SOCKETS} instead, because the {part} is solved with a socket at every contact")
+        part += parts.SOCKETS
     fields: dict[str, Array] = {}
     try:
         if ball is not None and part.startswith(("screw", "patch-S")):
@@ -211,19 +200,19 @@ def write_part_mesh(
             from rollbench.meshes.solid import dimensions_of_3d_parts
 
             refuse_supports_beyond_low_end(scene, dimensions_of_3d_parts(scene))
-        mesh = part_mesh(scene, part, level, cache)
+        mesh = parts.part_mesh(scene, part, level, cache)
         if ball is not None:
-            fields = solve_displacement_and_stress_of_part(scene, part, level, ball - 1, cache)
+            fields = parts.solve_displacement_and_stress_of_part(scene, part, level, ball - 1, cache)
     except ValueError as error:
         advice = "change the keys of [solid] or the nut's length in the scene"
         raise SceneNotCoveredError(scene.name, part, str(error), advice) from error
     with replaced_file(out) as file:
-        write_mesh(file, mesh, fields, region=part, file_format=form)
+        mesh_files.write_mesh(file, mesh, fields, region=part, file_format=form)
     from rollbench.meshes.fem import element_type_of_mesh
 
     nodes, cells = mesh.doflocs.shape[1], f"{mesh.nelements} {_LABELS[element_type_of_mesh(mesh)]}"
     lines.append(f"wrote {out}: {nodes} nodes, {cells}; lengths in m; groups: {', '.join(mesh.boundaries) or 'none'}")
-    if loses_nodes_in_format(mesh, form):
+    if mesh_files.loses_nodes_in_format(mesh, form):
         lines.append(f".{form} files cannot contain 27-node hexahedra: 20-node hexahedra were written")
     return CommandOutput(texts_and_tables=lines)
 
@@ -355,41 +344,26 @@ def compare_with_calculix(
     of runs of the 3D reference. ``engine``: computes missing runs. Raises InputError for a scene without stored
     results, if the results belong to another scene of the same name, and if CalculiX fails.
     """
-    from rollbench.compare.studies.crosscheck.results import (
-        agreement_sentence,
-        compare_contact_loads,
-        load_calculix_results,
-        save_calculix_results,
-        shipped_calculix_results_folder,
-    )
-    from rollbench.compare.studies.crosscheck.study import (
-        NUT_SCENE,
-        compare_nut_compliance,
-        digest_of_shipped_scene,
-        load_nut_compliance,
-        save_nut_compliance,
-        scene_compared_with_calculix,
-        solve_decks_of_scene,
-    )
+    from rollbench.compare.studies.crosscheck import results, study
 
-    scene, folder = scene_compared_with_calculix(name), data or shipped_calculix_results_folder()
+    scene, folder = study.scene_compared_with_calculix(name), data or results.shipped_calculix_results_folder()
     written = []
     if run:
         running.check_gmsh()
-        kept = None if fresh else load_calculix_results(folder, scene.name)
-        stored_runs = kept.runs if kept is not None and kept.key == digest_of_shipped_scene(scene.name) else ()
-        results = solve_decks_of_scene(scene, work, running.show_progress_message, stored_runs)
-        written.append(f"wrote {save_calculix_results(folder, results)}")
-        if scene.name == NUT_SCENE and (fresh or load_nut_compliance(folder) is None):
-            compliance = compare_nut_compliance(scene, work, key=digest_of_shipped_scene(scene.name))
-            written.append(f"wrote {save_nut_compliance(folder, compliance)}")
+        kept = None if fresh else results.load_calculix_results(folder, scene.name)
+        stored_runs = kept.runs if kept is not None and kept.key == study.digest_of_shipped_scene(scene.name) else ()
+        solved = study.solve_decks_of_scene(scene, work, running.show_progress_message, stored_runs)
+        written.append(f"wrote {results.save_calculix_results(folder, solved)}")
+        if scene.name == study.NUT_SCENE and (fresh or study.load_nut_compliance(folder) is None):
+            compliance = study.compare_nut_compliance(scene, work, key=study.digest_of_shipped_scene(scene.name))
+            written.append(f"wrote {study.save_nut_compliance(folder, compliance)}")
     found = stored_calculix_results(folder, scene)
     ours = _find_or_compute_reference(scene, store, engine)
-    rows = compare_contact_loads(found, ours)
-    agreed = agreement_sentence(scene.name, rows)
+    rows = results.compare_contact_loads(found, ours)
+    agreed = results.agreement_sentence(scene.name, rows)
     parts = [*written, _calculix_loads_table(scene, rows), agreed]
-    alone = load_nut_compliance(folder)
-    if alone is not None and alone.key == digest_of_shipped_scene(scene.name):
+    alone = study.load_nut_compliance(folder)
+    if alone is not None and alone.key == study.digest_of_shipped_scene(scene.name):
         parts.append(alone.sentence_on_agreement())
     return CommandOutput({"scene": scene.name, "agreement": agreed, "contacts": rows}, parts)
 
@@ -399,14 +373,13 @@ def stored_calculix_results(folder: Path, scene: Scene) -> CalculixRunsOfScene:
 
     Raises InputError if there are none, or if they belong to another scene of the same name.
     """
-    from rollbench.compare.studies.crosscheck.results import load_calculix_results
-    from rollbench.compare.studies.crosscheck.study import STUDIES, digest_of_shipped_scene
+    from rollbench.compare.studies.crosscheck import results, study
 
-    found = load_calculix_results(folder, scene.name)
+    found = results.load_calculix_results(folder, scene.name)
     if found is None:
-        allowed, advice = ", ".join(STUDIES), "solve the scene with CalculiX by `run=True`"
+        allowed, advice = ", ".join(study.STUDIES), "solve the scene with CalculiX by `run=True`"
         raise InputError(scene.name, "crosscheck", "a scene without stored results of CalculiX", allowed, advice)
-    if found.key != digest_of_shipped_scene(scene.name):
+    if found.key != study.digest_of_shipped_scene(scene.name):
         wanted = "results of the present scene", "solve the scene again by `run=True`"
         raise InputError(scene.name, "crosscheck", "stored results for another scene of this name", *wanted)
     return found
@@ -439,10 +412,10 @@ def _calculix_loads_table(scene: Scene, rows: Sequence[Row]) -> Any:
 
     ``rows``: for each contact, the loads with their errors and uncertainties.
     """
-    from rollbench.compare.studies.crosscheck.results import COLUMNS
+    from rollbench.compare.studies.crosscheck import results
     from rollbench.reports.content import table_column
 
-    columns = {key: table_column(name) for name, key in COLUMNS.items()}
+    columns = {key: table_column(name) for name, key in results.COLUMNS.items()}
     heads = {key: "\n".join((*c.label.split(", "), *([c.unit] if c.unit else ()))) for key, c in columns.items()}
     texts = ([format_cell(row[key], c.format) for key, c in columns.items()] for row in rows)
     title = f"{scene.name}: contact loads, those by CalculiX extrapolated to zero cell size (--json lists every mesh)"

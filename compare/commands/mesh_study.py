@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.commands.terminal import ComputeOptions, Flag, Json, app, engine_from_options
+from rollbench.compare.commands.terminal import ComputeOptions, Flag, Json, app, engine_from_options, refuse_given_arguments
 from rollbench.compare.running import show_progress_message
 from rollbench.compare.text.printing import CommandOutput, print_command_output, table_of_records
 
@@ -187,10 +187,10 @@ def are_all_roller_scenes(names: Sequence[str], unused_arguments: Mapping[str, b
     if any(have) and not all(have):
         allowed = "either scenes with tapered rollers, or scenes without"
         raise ArgumentError("scenes", " ".join(names), allowed, "study them in separate runs")
-    for argument, stated in {**unused_arguments, "backend": where is not None}.items():
-        if stated and any(have):
-            given, allowed = "this option for scenes with tapered rollers", "this option only for screws and ball bearings"
-            raise ArgumentError(argument, given, allowed, "leave it out: it would change nothing")
+    if any(have):
+        given, allowed = "this option for scenes with tapered rollers", "this option only for screws and ball bearings"
+        unused = {**unused_arguments, "backend": where}
+        refuse_given_arguments(unused, allowed, "leave it out: it would change nothing", given)
     return any(have)
 
 

@@ -10,7 +10,15 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import ComputeOptions, Flag, Names, Word, app, engine_from_options
+from rollbench.compare.commands.terminal import (
+    ComputeOptions,
+    Flag,
+    Names,
+    Word,
+    app,
+    engine_from_options,
+    refuse_given_arguments,
+)
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.text.printing import CommandOutput, print_command_output
 
@@ -82,9 +90,7 @@ def report(
         refuse_unusable_scene_arguments(scene, against=against, reference=reference)
         given: dict[str, Any] = {"only": only, "source": source, "quick": quick, "stored": stored, "fresh": fresh}
         given["scheduler"] = where and where.scheduler
-        for name, value in given.items():
-            if value:
-                raise ArgumentError(name, str(value), "only for a report without a scene", f"leave `{name}` out")
+        refuse_given_arguments(given, "only for a report without a scene", "leave it out")
         code = print_command_output(write_and_compare_pages(scene, out, store, against, reference))
         return open_written_page(code, out / "index.html", open_page)
     if reference is not None:

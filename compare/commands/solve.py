@@ -22,7 +22,9 @@ from rollbench.compare.commands.terminal import (
     Word,
     app,
     check_plot_file,
+    join_paragraph_lines,
     model_or_program_name,
+    refuse_given_arguments,
     write_plot,
 )
 from rollbench.compare.errors import ArgumentError, one_line
@@ -30,7 +32,6 @@ from rollbench.compare.running import show_progress_message
 from rollbench.compare.text.printing import CommandOutput, print_command_output, ruled_table
 
 if TYPE_CHECKING:
-    from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.results.data import Ensemble, Statistics
     from rollbench.compare.results.load_curve import LoadCurve
     from rollbench.compare.results.solved import Result
@@ -39,38 +40,97 @@ if TYPE_CHECKING:
     from rollbench.meshes.parts import Scene
 
 
+@Parameter(name="*")
 @dataclass(frozen=True)
 class SolveOptions:
-    """Command-line options of ``rollbench solve`` for one scene; their names are those of the arguments of `solve`."""
+    """Command-line options of ``rollbench solve``.
 
-    #: Name of the low-order model; empty: the default.
-    model: str = ""
-    #: Whether flanks that no ball can touch and shaft ends that carry no load are modelled, too; the loads do not
-    #: depend on them.
-    everything: bool = False
-    #: Number of the specimen (random draw of the geometric errors), from 0.
+    Attributes
+    ----------
+    model
+        Low-order model (rollbench list shows all). Default: refined, or condensed if --condensed is given.
+    everything
+        Also model flanks that no ball can touch and shaft ends that carry no load, which do not change the contact loads.
+    member
+        Number of the specimen, from 0, in a scene with random errors.
+    condensed
+        File that rollbench condense wrote for these parts: the compliance of screw and nut from their 3D meshes, for the
+        model "condensed".
+    balls
+        Also print the table of all balls.
+    stiffness_at
+        Also print the 6 x 6 tangent stiffness at this axial position of the screw, such as "400 mm", with the nut fixed.
+    matrix
+        File for the stiffness matrix of --stiffness-at: .mtx (Matrix Market) or .dmig (Nastran).
+    curve
+        Print the displacement over a range of loads (the load curve), the backlash and the stiffness outside the backlash.
+        Forces such as "-3000N:3000N" replace the scene's loads; they act along the axis where the scene's own load acts
+        (without one: at the nut's centre, or where the stiffness of an axis is reported). Append ":41" for 41 points
+        (default 21); ":x", ":y" or an angle such as ":45deg" for a transverse force; ":300mm" or the name of a housing for
+        another position. A range without unit, such as "0:1.5", scales all loads of the scene.
+    loads_csv
+        File for all contact loads, with the columns that check --loads reads: ball, flank, newton, azimuth_deg, z_mm, and
+        case if the scene has load cases.
+    plot
+        File for a figure, SVG: loads of all balls on each loaded flank; of several scenes, the differences from the first.
+    members
+        Number of specimens to solve. Prints the distributions of the largest load, the stiffness, the number of unloaded
+        contacts and the life; with --balls also the range of the load of every ball.
+    csv
+        With --members: file with one row per specimen. With --curve: file with one row per load, and a figure of the same
+        name.
+    seed
+        With --members: seed of the random errors, which replaces that of the scene.
+    workers
+        With --members: number of parallel processes.
+    store
+        With --members, --curve, several scenes or several load cases: folder in which what is solved is stored at once, so
+        that an interrupted command resumes.
+    time_limit
+        Stop after this many seconds, with exit code 1. Default: no limit.
+    strict
+        Return exit code 1 if a WARNING is printed: the result is outside the models' range of validity (such as contacts
+        beyond the groove's arc, pressure, preload, static safety or rotations), the conformity looks wrong, or the supports
+        carry nearly all of a load, so that little of it reaches the contacts.
+    verbose
+        Also print further quantities, the assumptions, neglected effects, the force balance and data of the solver.
+    """
+
+    model: Word = ""
+    everything: Annotated[Flag, Parameter(name="--all")] = False
     member: int = 0
-    #: File with the condensed stiffness of screw and nut; None: no file.
     condensed: Path | None = None
-    #: Whether the table of balls is printed.
-    balls: bool = False
-    #: Axial position on the screw or shaft at which the 6 x 6 stiffness is computed, with its unit; empty: not
-    #: computed.
-    stiffness_at: str = ""
-    #: File for the stiffness matrix; None: not written.
+    balls: Flag = False
+    stiffness_at: Word = ""
     matrix: Path | None = None
-    #: File for the contact loads; None: not written.
+    curve: Annotated[Word, Parameter(allow_leading_hyphen=True)] = ""
     loads_csv: Path | None = None
-    #: File for the figure of the result; None: not drawn.
     plot: Path | None = None
-    #: Longest computing time [s]; None: no limit.
-    time_limit: float | None = None
-    #: Whether a warning changes the exit code to 1.
-    strict: bool = False
-    #: Whether further quantities, assumptions, neglected effects and data of the solver are printed, too.
-    verbose: bool = False
-    #: Folder in which solved rows are looked up and stored; None: none.
+    members: int | None = None
+    csv: Path | None = None
+    seed: int | None = None
+    workers: int | None = None
     store: Path | None = None
+    time_limit: float | None = None
+    strict: Flag = False
+    verbose: Verbose = False
+
+
+SolveOptions.__doc__ = join_paragraph_lines(SolveOptions.__doc__)
+#: Options that are refused if several scenes are solved side by side.
+OF_ONE_SCENE = (
+    "matrix",
+    "loads_csv",
+    "csv",
+    "condensed",
+    "members",
+    "seed",
+    "workers",
+    "curve",
+    "balls",
+    "everything",
+    "verbose",
+)
 
 
 def solve_and_report(name: str, solve_options: SolveOptions) -> CommandOutput:
@@ -245,28 +305,7 @@ def _write_stiffness_matrix(found: Result, solve_options: SolveOptions) -> list[
 
 @app.command
 def solve(
-    scenes: list[str],
-    *,
-    model: Word = "",
-    as_json: Json = False,
-    everything: Annotated[Flag, Parameter(name="--all")] = False,
-    member: int = 0,
-    condensed: Path | None = None,
-    balls: Flag = False,
-    stiffness_at: Word = "",
-    matrix: Path | None = None,
-    curve: Annotated[Word, Parameter(allow_leading_hyphen=True)] = "",
-    loads_csv: Path | None = None,
-    plot: Path | None = None,
-    members: int | None = None,
-    csv: Path | None = None,
-    seed: int | None = None,
-    workers: int | None = None,
-    store: Path | None = None,
-    time_limit: float | None = None,
-    strict: Flag = False,
-    verbose: Verbose = False,
-    program: ProgramOptions | None = None,
+    scenes: list[str], *, options: SolveOptions | None = None, as_json: Json = False, program: ProgramOptions | None = None
 ) -> int:
     """Solve one scene, compare several scenes side by side, or solve many specimens of a scene with random errors.
 
@@ -277,102 +316,31 @@ def solve(
     ----------
     scenes
         Name of a shipped scene, or a scene file. If several are given, each is compared with the first.
-    model
-        Low-order model (rollbench list shows all). Default: refined, or condensed if --condensed is given.
-    everything
-        Also model flanks that no ball can touch and shaft ends that carry no load, which do not change the contact loads.
-    member
-        Number of the specimen, from 0, in a scene with random errors.
-    condensed
-        File that rollbench condense wrote for these parts: the compliance of screw and nut from their 3D meshes, for the
-        model "condensed".
-    balls
-        Also print the table of all balls.
-    stiffness_at
-        Also print the 6 x 6 tangent stiffness at this axial position of the screw, such as "400 mm", with the nut fixed.
-    matrix
-        File for the stiffness matrix of --stiffness-at: .mtx (Matrix Market) or .dmig (Nastran).
-    curve
-        Print the displacement over a range of loads (the load curve), the backlash and the stiffness outside the backlash.
-        Forces such as "-3000N:3000N" replace the scene's loads; they act along the axis where the scene's own load acts
-        (without one: at the nut's centre, or where the stiffness of an axis is reported). Append ":41" for 41 points
-        (default 21); ":x", ":y" or an angle such as ":45deg" for a transverse force; ":300mm" or the name of a housing for
-        another position. A range without unit, such as "0:1.5", scales all loads of the scene.
-    loads_csv
-        File for all contact loads, with the columns that check --loads reads: ball, flank, newton, azimuth_deg, z_mm, and
-        case if the scene has load cases.
-    plot
-        File for a figure, SVG: loads of all balls on each loaded flank; of several scenes, the differences from the first.
-    members
-        Number of specimens to solve. Prints the distributions of the largest load, the stiffness, the number of unloaded
-        contacts and the life; with --balls also the range of the load of every ball.
-    csv
-        With --members: file with one row per specimen. With --curve: file with one row per load, and a figure of the same
-        name.
-    seed
-        With --members: seed of the random errors, which replaces that of the scene.
-    workers
-        With --members: number of parallel processes.
-    store
-        With --members, --curve, several scenes or several load cases: folder in which what is solved is stored at once, so
-        that an interrupted command resumes.
-    time_limit
-        Stop after this many seconds, with exit code 1. Default: no limit.
-    strict
-        Return exit code 1 if a WARNING is printed: the result is outside the models' range of validity (such as contacts
-        beyond the groove's arc, pressure, preload, static safety or rotations), the conformity looks wrong, or the supports
-        carry nearly all of a load, so that little of it reaches the contacts.
-    verbose
-        Also print further quantities, the assumptions, neglected effects, the force balance and data of the solver.
     """
-    model = model_or_program_name(program, model)
-    if program is not None and time_limit is not None:
+    given = options or SolveOptions()
+    given = replace(given, model=model_or_program_name(program, given.model))
+    if program is not None and given.time_limit is not None:
         advice = "use `model_seconds`, which limits each run of the program"
-        given = f"{time_limit:g} with a model that runs as a program of its own (--model-command)"
-        raise ArgumentError("time_limit", given, "only without `model_command`", advice)
+        value = f"{given.time_limit:g} with a model that runs as a program of its own (--model-command)"
+        raise ArgumentError("time_limit", value, "only without `model_command`", advice)
     if len(scenes) > 1:
-        alone: dict[str, object] = {"matrix": matrix, "loads_csv": loads_csv, "csv": csv, "condensed": condensed}
-        alone |= {"members": members, "seed": seed, "workers": workers, "curve": curve or None, "balls": balls or None}
-        alone |= {"everything": everything or None, "verbose": verbose or None}
-        for name in (k for k, v in alone.items() if v is not None):
-            given = f"this option for {len(scenes)} scenes"
-            raise ArgumentError(name, given, "only for one scene", "leave it out, or solve one scene at a time")
-        choices = SolveOptions(
-            model, member=member, stiffness_at=stiffness_at, plot=plot, time_limit=time_limit, strict=strict, store=store
-        )
-        return print_command_output(solve_side_by_side(scenes, choices), as_json)
+        alone = {name: getattr(given, name) for name in OF_ONE_SCENE}
+        advice = "leave it out, or solve one scene at a time"
+        refuse_given_arguments(alone, "only for one scene", advice, f"this option for {len(scenes)} scenes")
+        return print_command_output(solve_side_by_side(scenes, given), as_json)
     (scene,) = scenes
-    if members is not None:
-        from rollbench.compare.reference.jobs import ComputingSettings
-
-        if stiffness_at or strict or curve or any(file is not None for file in (matrix, loads_csv, plot)):
+    files = (given.matrix, given.loads_csv, given.plot)
+    if given.members is not None:
+        if given.stiffness_at or given.strict or given.curve or any(file is not None for file in files):
             named = "stiffness_at, matrix, curve, loads_csv, plot, strict"
             advice = "leave them out, or solve a single specimen (random draw of the geometric errors) by `member=K`"
             raise ArgumentError(named, "one of these options with --members", "only without --members", advice)
-        how = ComputingSettings(parallel_jobs=workers)
-        found = solve_specimens(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls, store=store)
-        return print_command_output(found, as_json)
-    if seed is not None or workers is not None or (csv is not None and not curve):
-        given = "one of these options without --members"
+        return print_command_output(solve_specimens(scene, given.members, given), as_json)
+    if given.seed is not None or given.workers is not None or (given.csv is not None and not given.curve):
+        value = "one of these options without --members"
         advice = "add --members N, the number of random draws of the geometric errors"
-        raise ArgumentError("csv, seed, workers", given, "only with --members", advice)
-    choices = SolveOptions(
-        model,
-        everything,
-        member,
-        condensed,
-        balls,
-        stiffness_at,
-        matrix,
-        loads_csv,
-        plot,
-        time_limit,
-        strict,
-        verbose,
-        store,
-    )
-    found = solve_load_curve(scene, curve, choices, csv) if curve else solve_and_report(scene, choices)
-    return print_command_output(found, as_json)
+        raise ArgumentError("csv, seed, workers", value, "only with --members", advice)
+    return print_command_output(solve_load_curve(scene, given) if given.curve else solve_and_report(scene, given), as_json)
 
 
 def solve_side_by_side(names: Sequence[str], solve_options: SolveOptions) -> CommandOutput:
@@ -400,12 +368,10 @@ def solve_side_by_side(names: Sequence[str], solve_options: SolveOptions) -> Com
     return CommandOutput(found.to_dict, parts, int(not found.converged or warned), wrap_always=True)
 
 
-def solve_load_curve(name: str, text: str, solve_options: SolveOptions, csv_out: Path | None) -> CommandOutput:
+def solve_load_curve(name: str, solve_options: SolveOptions) -> CommandOutput:
     """Solve a scene over a range of loads and return its load curve; exit code 1 if a load has no equilibrium.
 
-    ``text``: range of the load, such as ``"-3kN:3kN:41:x"`` for 41 forces along x; ``csv_out``: file for the points of the
-    curve, or None. Of several load cases only the first is solved. Raises InputError if the range or an option cannot be
-    used.
+    Of several load cases only the first is solved. Raises InputError if the range or an option cannot be used.
     """
     from rollbench.compare.api.calls import load_curve_of_scene_record
     from rollbench.compare.models.model import ModelOptions
@@ -418,14 +384,14 @@ def solve_load_curve(name: str, text: str, solve_options: SolveOptions, csv_out:
         refused, given = "stiffness_at, matrix, loads_csv, plot, balls", "one of these options with --curve"
         raise ArgumentError(refused, given, "only without --curve", "leave them out: they are for a single load")
     model, _ = _check_options(solve_options)
-    if csv_out is not None:
+    if (csv_out := solve_options.csv) is not None:
         from rollbench.compare.files import check_writable
 
         check_writable(csv_out)
     options = ModelOptions(solve_options.everything, solve_options.member, condensed_bodies_file=solve_options.condensed)
     with watch_running_time(f"{name}, load curve", checked_time_limit(solve_options.time_limit)):
         described, store = catalogue.scene_of_any_kind(name), solve_options.store
-        found = load_curve_of_scene_record(described, text, model, options, name, store)
+        found = load_curve_of_scene_record(described, solve_options.curve, model, options, name, store)
     lines = load_curve_parts(found, details=solve_options.verbose)
     if csv_out is not None:
         lines += write_load_curve(csv_out, found)
@@ -433,31 +399,22 @@ def solve_load_curve(name: str, text: str, solve_options: SolveOptions, csv_out:
     return CommandOutput(found.to_dict, lines, code, wrap_always=True)
 
 
-def solve_specimens(
-    name: str,
-    model: str,
-    count: int,
-    *,
-    csv_out: Path | None,
-    seed: int | None,
-    engine: ComputingSettings,
-    balls: bool = False,
-    store: Path | None = None,
-) -> CommandOutput:
+def solve_specimens(name: str, count: int, solve_options: SolveOptions) -> CommandOutput:
     """Solve many specimens of a scene with random errors and return their statistics; exit code 1 if none converged.
 
-    ``count``: number of specimens. ``csv_out``: file to which a row is written as soon as a specimen is solved. ``seed``:
-    seed of the random errors; None: that of the scene. ``engine``: runs the solves in parallel. ``balls``: also show the
-    range of the load of every ball. ``store``: folder of solved specimens, or None. Raises InputError if the scene or an
-    option cannot be used.
+    ``count``: number of specimens. Raises InputError if the scene or an option cannot be used.
     """
+    from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.studies.members.members import solve_random_draws_of_load_cases
 
-    described, step = catalogue.scene_of_any_kind(name), show_progress_message
-    found = solve_random_draws_of_load_cases(described, name, model, count, seed, engine, step, csv_out, store)
-    shown = ensemble_terminal_parts(found, balls=balls)
-    shown += [f"wrote {csv_out}: one row for each specimen"] * bool(csv_out)
+    described, given, step = catalogue.scene_of_any_kind(name), solve_options, show_progress_message
+    engine = ComputingSettings(parallel_jobs=given.workers)
+    found = solve_random_draws_of_load_cases(
+        described, name, given.model, count, given.seed, engine, step, given.csv, given.store
+    )
+    shown = ensemble_terminal_parts(found, balls=given.balls)
+    shown += [f"wrote {given.csv}: one row for each specimen"] * bool(given.csv)
     return CommandOutput(found.to_dict(), shown, 0 if found.converged else 1)
 
 

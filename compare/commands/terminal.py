@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_args
@@ -32,6 +35,20 @@ def refuse_underscores(arguments: ArgumentCollection) -> None:
                 if "_" in token.value:
                     allowed = "a number with digits, point and exponent only"
                     raise ArgumentError(argument.field_info.name, f'"{token.value}"', allowed, UNDERSCORE)
+
+
+def join_paragraph_lines(doc: str | None) -> str:
+    r"""Return a docstring with each paragraph on one line, so that the help text can be wrapped to the terminal's width.
+
+    ``doc``: the docstring; None gives an empty text.
+
+    Examples
+    --------
+    >>> join_paragraph_lines("Solve.\n\nParameters\n----------\nscene\n    A name,\n    or a file.").splitlines()[-1]
+    '    A name, or a file.'
+    """
+    paragraph = r"(?m)^( *)(?!-+$|Parameters$|Attributes$)\S.*(?:\n\1\S.*)+"
+    return re.sub(paragraph, lambda match: re.sub(r"\n *", " ", match[0]), inspect.cleandoc(doc or ""))
 
 
 app = App(
@@ -128,6 +145,18 @@ def cache_folder() -> Path | None:
     from rollbench.meshes.cache import default_cache_folder
 
     return default_cache_folder()
+
+
+def refuse_given_arguments(given: Mapping[str, object], allowed: str, advice: str, value: str = "") -> None:
+    """Raise ArgumentError if the user stated one of the arguments ``given``, none of which may be used here.
+
+    ``given``: values by name of the argument. ``allowed``, ``advice``: when the arguments may be used, and what to do;
+    ``value``: what the error says of the given value; empty: the value. All are texts of the error.
+    """
+    for name, stated in given.items():
+        if stated not in (None, "", []) and stated is not False:
+            text = ", ".join(map(str, stated)) if isinstance(stated, list) else str(stated)
+            raise ArgumentError(name, value or text, allowed, advice)
 
 
 def check_plot_file(path: Path) -> None:

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 #: What a row of verdicts in a file is made of: the verdict on a user's scene, or a check of the shipped data.
 Outcome: TypeAlias = "VerdictRow | GateCheck"
 
-#: Environment variables by which continuous-integration services pass the path of a job's summary file.
-SUMMARIES = ("GITHUB_STEP_SUMMARY",)
+#: Environment variable by which a continuous-integration service passes the path of a job's summary file.
+SUMMARY = "GITHUB_STEP_SUMMARY"
 
 #: Column headings of the table of verdicts in CSV and Markdown files.
 NUMBERS = ("error %", "uncertainty %", "limit %")
@@ -192,7 +192,6 @@ def write_verdicts(
     junit_file: Path | None = None,
     markdown_file: Path | None = None,
     csv_file: Path | None = None,
-    environment: Mapping[str, str] | None = None,
 ) -> list[Path]:
     """Write rows of verdicts to files, and append the Markdown text to the summary of a continuous-integration job.
 
@@ -206,8 +205,6 @@ def write_verdicts(
         Notes that apply to the whole table.
     junit_file, markdown_file, csv_file
         Path of the file of each format; None: this format is not written.
-    environment
-        Environment variables; None: those of the process.
 
     Returns
     -------
@@ -219,7 +216,6 @@ def write_verdicts(
     InputError
         If a file cannot be written.
     """
-    named = os.environ if environment is None else environment
     written = []
     texts = ((junit_file, junit_xml), (markdown_file, markdown_text), (csv_file, lambda rows, _: verdicts_csv(rows)))
     for file, text_of in texts:
@@ -230,8 +226,9 @@ def write_verdicts(
     if markdown_file is not None and shown is not None and not reason_without_figure():
         written.append(markdown_file.with_suffix(".svg"))
         write_figure(written[-1], worst_ball_figure(shown))
-    summaries = [named[name] for name in SUMMARIES if named.get(name)] if markdown_file is not None else []
-    return written + [_append_to_file(Path(name), markdown_text(outcomes, notes)) for name in summaries]
+    if markdown_file is not None and (summary := os.environ.get(SUMMARY)):
+        written.append(_append_to_file(Path(summary), markdown_text(outcomes, notes)))
+    return written
 
 
 def _append_to_file(path: Path, text: str) -> Path:
@@ -241,7 +238,7 @@ def _append_to_file(path: Path, text: str) -> Path:
             file.write(text)
     except OSError as error:
         reason = error.strerror or str(error)
-        advice = f"check the path in the environment variable {', '.join(SUMMARIES)}"
+        advice = f"check the path in the environment variable {SUMMARY}"
         raise InputError(str(path), "summary", reason, "a file that can be written", advice) from None
     return path
 
@@ -251,21 +248,16 @@ Label = tuple[str, str]
 
 
 class RoundedVerdict(NamedTuple):
-    """Verdict with error and limit rounded to four digits as in output files, for comparison with an earlier file."""
+    """Verdict with error and limit as texts, for comparison with an earlier file."""
 
     #: Verdict as text, such as "pass".
     verdict: str
-    #: Error in ``unit``; None if there is none.
-    error: float | None
-    #: Limit of the error in ``unit``; None if there is none.
-    limit: float | None
+    #: Absolute error with two decimals, with its unit unless per cent; empty if there is none.
+    error: str
+    #: Limit of the error with four digits, with its unit unless per cent; empty if there is none.
+    limit: str
     #: Unit of error and limit.
     unit: str
-
-    @property
-    def error_text(self) -> str:
-        """Absolute error of the judged quantity as text with two decimals, with its unit unless per cent; may be empty."""
-        return "" if self.error is None else f"{abs(self.error):.2f}{'' if self.unit == '%' else f' {self.unit}'}"
 
 
 class VerdictChange(NamedTuple):
@@ -283,8 +275,7 @@ class VerdictChange(NamedTuple):
     @property
     def limit(self) -> str:
         """Present limit with its unit as text, else the earlier one; empty if there is none."""
-        known = (row for row in (self.after, self.before) if row and row.limit is not None)
-        return next((number_cell_text(row.limit, row.unit) for row in known), "")
+        return next((row.limit for row in (self.after, self.before) if row and row.limit), "")
 
     def as_json(self) -> dict[str, Any]:
         """Return the change as a dictionary for JSON: scene, quantity, verdict and error before and after, limit."""
@@ -293,7 +284,7 @@ class VerdictChange(NamedTuple):
             "scene": self.scene,
             "quantity": self.quantity,
             "verdict": [row and row.verdict for row in rows],
-            "error": [row and row.error_text for row in rows],
+            "error": [row and row.error for row in rows],
             "limit": self.limit,
         }
 
@@ -307,7 +298,7 @@ class VerdictChange(NamedTuple):
             return f"{head}: removed, was {before.verdict if before else ''}"
         if before is None:
             return f"{head}: new, {after.verdict}"
-        sizes = " -> ".join(dict.fromkeys(row.error_text or "no error" for row in (before, after)))
+        sizes = " -> ".join(dict.fromkeys(row.error or "no error" for row in (before, after)))
         unit = " %" if after.unit == "%" else ""
         words = f", {before.verdict} -> {after.verdict}" if before.verdict != after.verdict else ""
         return f"{head} {sizes}{unit}{f', limit {self.limit}' if self.limit else ''}{words}"
@@ -333,25 +324,23 @@ def verdict_changes_since_file(path: Path, outcomes: Sequence[Outcome]) -> list[
     InputError
         If the file cannot be read.
     """
-    before, after = _read_earlier_verdicts(path), dict(map(_label_and_rounded_verdict, outcomes))
+    before = _read_earlier_verdicts(path)
+    after = {
+        (one_line(o.subject, 2000), one_line(o.quantity, 2000)): _rounded_verdict(
+            str(o.judgement), o.error, o.limit, o.unit
+        )
+        for o in outcomes
+    }
     pairs = {label: (before.get(label), after.get(label)) for label in (*before, *after)}
     return [
-        VerdictChange(*label, old, new)
-        for label, (old, new) in pairs.items()
-        if (old and (old.verdict, old.error_text)) != (new and (new.verdict, new.error_text))
+        VerdictChange(*label, old, new) for label, (old, new) in pairs.items() if (old and old[:2]) != (new and new[:2])
     ]
 
 
 def _rounded_verdict(verdict: str, error: float | None, limit: float | None, unit: str) -> RoundedVerdict:
-    """Return a verdict with its error and limit rounded to four digits, as in the files that hold verdicts."""
-    error, limit = (None if x is None else float(f"{x:.4g}") for x in (error, limit))
-    return RoundedVerdict(verdict, error, limit, unit)
-
-
-def _label_and_rounded_verdict(o: Outcome) -> tuple[Label, RoundedVerdict]:
-    """Return the names of scene and quantity that identify the row of verdicts ``o``, and its rounded verdict."""
-    label = one_line(o.subject, 2000), one_line(o.quantity, 2000)
-    return label, _rounded_verdict(str(o.judgement), o.error, o.limit, o.unit)
+    """Return a verdict with its error and limit as texts, first rounded to four digits as in the files of verdicts."""
+    size = "" if error is None else f"{abs(float(f'{error:.4g}')):.2f}{'' if unit == '%' else f' {unit}'}"
+    return RoundedVerdict(verdict, size, number_cell_text(limit, unit), unit)
 
 
 def _read_earlier_verdicts(path: Path) -> dict[Label, RoundedVerdict]:

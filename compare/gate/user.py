@@ -150,31 +150,8 @@ def loads_as_run_record(scene: Scene, load: Array, angle: Array) -> Run:
     ``load``: contact loads of n balls on 4 flanks (n, 4) [N]; ``angle``: contact angles (n, 4) [deg]. Loads from a file can
     then be used wherever a run of the 3D reference is expected.
     """
-    return Run(
-        scene=scene.name,
-        level=0,
-        variant="",
-        status="converged",
-        load=load,
-        angle=np.where(load > 0.0, angle, np.nan),
-        frozen=load,
-        centreline=np.zeros((0, 4)),
-        without={},
-        without_seconds={},
-        sides=tuple(range(4)),
-        unknowns=0,
-        stages={},
-        solve_seconds=0.0,
-        peak_MB=None,
-        balance=0.0,
-        along_groove=0.0,
-        screw_balance=0.0,
-        quality={},
-        settings={},
-        assumed=(),
-        versions={},
-        date="",
-    )
+    loaded_angle = np.where(load > 0.0, angle, np.nan)
+    return Run(scene.name, 0, "", "converged", load, loaded_angle, load, np.zeros((0, 4)), sides=tuple(range(4)))
 
 
 #: Number of mesh levels of the 3D reference that are computed by default: the smallest number from which its uncertainty
@@ -197,101 +174,70 @@ NO_OTHERS: Mapping[str, float] = {}
 NO_CASES: Mapping[str, str] = {}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class GateRequest:
-    """Request to judge the results of a model or a user's file: error limits, and reference to judge them against."""
+    """Request to judge the results of a model or a user's file: error limits, and reference to judge them against.
 
-    #: Folders with stored runs of the 3D reference; new runs are stored in the first.
-    stores: tuple[Path, ...]
-    #: Name of the model whose loads are judged.
-    model: str = DEFAULT
+    Raises `InputError` if arguments exclude each other or are out of range.
+    """
+
+    #: Name of the model whose loads are judged; empty: the default model.
+    model: str = ""
     #: File of contact loads that are judged instead of a model's.
-    loads_file: Path | None = None
+    loads: Path | None = None
+    #: File of further values (such as stiffness or life) that are judged.
+    values: Path | None = None
     #: Limit of the errors of contact loads [%]; None: the limit that the scene states, or else 7 (`LIMIT`).
     max_error: float | None = None
-    #: Least number of mesh levels of the 3D reference; None: as many as are stored, but at least two (`ENOUGH`).
-    least_levels: int | None = None
-    #: Whether missing runs of the 3D reference are computed.
-    compute_missing_runs: bool = True
-    #: File of further values (such as stiffness or life) that are judged.
-    values_file: Path | None = None
-    #: Error limits of quantities other than loads, by name of the quantity [%; deg for contact angles].
-    other_limits: Mapping[str, float] = field(default_factory=dict)
+    #: Error limits of quantities other than loads, each as ``NAME=NUMBER`` in %, or in degrees for contact angles.
+    limits: Sequence[str] = ()
     #: File of contact loads that replaces the 3D reference.
-    reference_file: Path | None = None
+    reference: Path | None = None
     #: Whether unknown column headings are an error, and a model outside its range of validity fails.
     strict: bool = False
+    #: Least number of mesh levels of the 3D reference; None: as many as are stored, but at least two (`ENOUGH`).
+    levels: int | None = None
+    #: Folder in which new runs of the 3D reference are stored.
+    store: Path = Path("rollbench-reference")
+    #: Folder with stored runs of the 3D reference; if it is given, no new run is computed.
+    stored: Path | None = None
+    #: Whether missing runs of the 3D reference are computed.
+    compute: bool = True
 
+    def __post_init__(self) -> None:
+        """Check the arguments."""
+        if self.max_error is not None and not 0.0 < self.max_error <= 100.0:
+            allowed, advice = "above 0 to 100 per cent of a contact load", "leave `max_error` out for 7 per cent"
+            raise ArgumentError("max_error", str(self.max_error), allowed, advice)
+        if self.levels is not None:
+            allowed, advice = "", ""
+            if not 1 <= self.levels <= len(LEVELS):
+                allowed = f"1 to {len(LEVELS)}"
+                advice = "compute at least 2 mesh levels to estimate the mesh uncertainty"
+            elif self.stored is not None or not self.compute:
+                allowed = "only without `stored` and `compute=False`"
+                advice = "leave `levels` out: stored runs are used with all mesh levels that are stored"
+            elif self.reference is not None:
+                allowed = "only without `reference`"
+                advice = "leave `levels` out: a reference from a file needs no mesh levels"
+            if allowed:
+                raise ArgumentError("levels", str(self.levels), allowed, advice)
+        for name, file in (("loads", self.loads), ("values", self.values)):
+            if file is not None and self.model:
+                advice = "leave the file or `model` out: either a file or a model is judged"
+                raise ArgumentError(name, str(file), "only without `model`", advice)
+        if self.stored is not None and not self.stored.is_dir():
+            raise ArgumentError(
+                "stored", str(self.stored), "a folder with stored runs of the 3D reference", "check the path"
+            )
+        if self.model:
+            model_by_name(self.model)  # checks the name
+        parse_error_limits(self.limits)  # checks the limits
 
-def gate_request(
-    *,
-    model: str = "",
-    loads: Path | None = None,
-    values: Path | None = None,
-    max_error: float | None = None,
-    limits: Sequence[str] = (),
-    reference: Path | None = None,
-    strict: bool = False,
-    levels: int | None = None,
-    store: Path = Path("rollbench-reference"),
-    stored: Path | None = None,
-    compute: bool = True,
-) -> GateRequest:
-    """Check the user's arguments and return them as a `GateRequest`, a request to judge a model or a file.
-
-    Parameters
-    ----------
-    model, loads, values, max_error, reference, strict, levels, compute
-        As in `GateRequest`; an empty ``model`` means the default model.
-    limits
-        Error limits of quantities other than loads, each as ``NAME=NUMBER`` in %, or in degrees for contact angles.
-    store
-        Folder in which new runs of the 3D reference are stored.
-    stored
-        Folder with stored runs of the 3D reference; if it is given, no new run is computed.
-
-    Returns
-    -------
-    GateRequest
-        Checked request.
-
-    Raises
-    ------
-    InputError
-        If arguments exclude each other or are out of range.
-    """
-    if max_error is not None and not 0.0 < max_error <= 100.0:
-        allowed, advice = "above 0 to 100 per cent of a contact load", "leave `max_error` out for 7 per cent"
-        raise ArgumentError("max_error", str(max_error), allowed, advice)
-    if levels is not None and not 1 <= levels <= len(LEVELS):
-        advice = "compute at least 2 mesh levels to estimate the mesh uncertainty"
-        raise ArgumentError("levels", str(levels), f"1 to {len(LEVELS)}", advice)
-    if levels is not None and (stored is not None or not compute):
-        advice = "leave `levels` out: stored runs are used with all mesh levels that are stored"
-        raise ArgumentError("levels", str(levels), "only without `stored` and `compute=False`", advice)
-    if levels is not None and reference is not None:
-        advice = "leave `levels` out: a reference from a file needs no mesh levels"
-        raise ArgumentError("levels", str(levels), "only without `reference`", advice)
-    for name, file in (("loads", loads), ("values", values)):
-        if file is not None and model:
-            advice = "leave the file or `model` out: either a file or a model is judged"
-            raise ArgumentError(name, str(file), "only without `model`", advice)
-    if stored is not None and not stored.is_dir():
-        raise ArgumentError("stored", str(stored), "a folder with stored runs of the 3D reference", "check the path")
-    if model:
-        model_by_name(model)  # checks the name
-    return GateRequest(
-        (store if stored is None else stored, shipped_store()),
-        model or DEFAULT,
-        loads,
-        max_error,
-        levels,
-        compute and stored is None and reference is None,
-        values,
-        parse_error_limits(limits),
-        reference,
-        strict,
-    )
+    @property
+    def stores(self) -> tuple[Path, ...]:
+        """Folders with stored runs of the 3D reference; new runs are stored in the first."""
+        return self.store if self.stored is None else self.stored, shipped_store()
 
 
 @dataclass(frozen=True)
@@ -346,23 +292,24 @@ def check_scenes(
     InputError
         If a file does not fit the scene, or the model does not cover a scene.
     """
-    each_limits = [limits_for_scene(scene, request.max_error, request.other_limits) for scene in scenes]
+    others = parse_error_limits(request.limits)
+    each_limits = [limits_for_scene(scene, request.max_error, others) for scene in scenes]
     warned = dict.fromkeys(words for limits in each_limits for words in fraction_limit_warnings(limits))
     named = _scenes_with_files(scenes, request, cases)
     read = [_read_files(scene, request, warned.setdefault, cases.get(scene.name)) for scene in named]
     for words in warned:
         warn(words)
     each_files, why = read or [UserFiles()] * len(scenes), dict[str, str]()
-    if request.compute_missing_runs:
+    if request.compute and request.stored is None and request.reference is None:
         scaled = (scene for files in read for scene in files.scenes_by_axial_load.values())
         why = _compute_missing_runs([*scenes, *scaled], request, engine, step)
     out: list[VerdictRow] = []
     for scene, files, limits in zip(scenes, each_files, each_limits, strict=True):
         each: Sequence[SceneWithReference] = files.reference or comparison.stored_references(scene, request.stores)
         reason = why.get(scene.name, NONE_STORED)
-        if request.values_file is None or request.loads_file is not None:
+        if request.values is None or request.loads is not None:
             out += [v for one in each for v in _load_verdicts(one, files, limits, request)]
-            judged = model_title(request.model) if request.loads_file is None else request.loads_file.name
+            judged = model_title(request.model or DEFAULT) if request.loads is None else request.loads.name
             out += [] if each else [_not_covered_verdict(scene, judged, LARGEST, limits.largest_load_error, reason)]
         for value in files.values:
             beside = each
@@ -381,9 +328,9 @@ def _load_verdicts(
     ``one``: the nut or bearing with its reference; ``files``: contents of the user's files; ``limits``: error limits;
     ``request``: model or file to be judged.
     """
-    if request.loads_file is None:
+    if request.loads is None:
         return _add_scene_and_set_names(_verdicts_on_model(one, limits, request), one)
-    given, judged = files.loads[one.index], request.loads_file.name
+    given, judged = files.loads[one.index], request.loads.name
     detail = "; ".join(filter(None, _explanations_on_user_loads(given, one.reference, limits)))
     verdicts = verdict.judge_contact_loads(judged, given.load, one.reference, limits, given.flanks_with_rows, detail)
     values = verdict.JudgedContactValues(given.load, given.further_quantities, given.flanks_with_rows)
@@ -433,8 +380,8 @@ def _verdict_on_user_value(
     "not covered" for the given ``reason``. Of several nuts or bearings on one shaft, only the life of each is judged.
     ``scene``: the scene that the user's file describes.
     """
-    assert request.values_file is not None
-    judged = request.values_file.name
+    assert request.values is not None
+    judged = request.values.name
     if one is None or (one.place_on_shaft is not None and value.quantity is not LIFE):
         reason = reason if one is None else "with several nuts or bearings on one shaft, only the life of each is judged"
         return _not_covered_verdict(scene, judged, value.name, limits.limit_of(value.quantity), reason)
@@ -470,7 +417,7 @@ def _scenes_with_files(scenes: Sequence[Solvable], request: GateRequest, cases: 
     ``scenes``: scenes to be judged; ``cases``: name of the load case by name of the scene, for load cases of one scene.
     ArgumentError if there are several scenes that are not load cases of a single one.
     """
-    named = {"loads": request.loads_file, "values": request.values_file, "reference": request.reference_file}
+    named = {"loads": request.loads, "values": request.values, "reference": request.reference}
     for argument, path in named.items():
         if path is not None and len(scenes) != 1 and len(cases) != len(scenes):
             advice = "check the scenes one by one, each with its own file"
@@ -485,14 +432,14 @@ def _read_files(scene: Solvable, request: GateRequest, warn: Callable[[str], Non
     """
     reference, loads, values = list[SceneWithReference](), [], list[UserValue]()
     at, strict = dict[float, Scene](), request.strict
-    if request.reference_file is not None:
+    if request.reference is not None:
         limit = limits_for_scene(scene, request.max_error).largest_load_error
-        reference = references_from_file(request.reference_file, scene, warn, limit, strict=strict, case=case)
-    if (file := request.loads_file) is not None:
+        reference = references_from_file(request.reference, scene, warn, limit, strict=strict, case=case)
+    if (file := request.loads) is not None:
         for of, only in nuts_and_bearings_with_row_filter(scene, case):
             loads.append(read_loads(file, of.ball_count, of, only))
             _check_unknown_columns(file, loads[-1].unknown_headings, warn, strict=strict)
-    if (file := request.values_file) is not None:
+    if (file := request.values) is not None:
         values, unknown = read_user_values(file, case)
         _check_unknown_columns(file, unknown, warn, strict=strict)
         _check_nut_or_bearing_names(scene, values, file)
@@ -668,7 +615,7 @@ def _verdicts_on_model(one: SceneWithReference, limits: ErrorLimits, request: Ga
     If the model's result is outside its range of validity, the first verdict says so; if ``request.strict``, it is "fail".
     ``one``: the nut or bearing with its reference; ``request``: name of the model, and folders with 3D runs.
     """
-    scene, ref, name = one.scene, one.reference, request.model
+    scene, ref, name = one.scene, one.reference, request.model or DEFAULT
     title = model_title(name)
     if one.place_on_shaft is not None:
         answer = comparison.solution_of_nut_or_bearing(one.place_on_shaft, name)
@@ -721,7 +668,7 @@ def _missing_levels(scenes: Sequence[Solvable], request: GateRequest) -> dict[tu
     out: dict[tuple[int, ...], list[Solvable]] = {}
     for scene in scenes:
         stored = [k for k in LEVELS if load_stored_run(scene, k, stores=request.stores) is not None]
-        least = request.least_levels or (ENOUGH if len(stored) < ENOUGH else 0)
+        least = request.levels or (ENOUGH if len(stored) < ENOUGH else 0)
         lacking = tuple(k for k in range(1, least + 1) if k not in stored)
         if lacking:
             out.setdefault(lacking, []).append(scene)

@@ -311,10 +311,7 @@ def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Convergence
     weights 1 / h instead of equal ones. In the standard deviation of the fit, the order counts as one fitted parameter,
     common to all quantities.
     """
-    x = _box_cox_transform(h, np.array([p]))[0]
-    finest, slope, residual = _linear_least_squares(y, x[:, None], weights_of_mesh_levels(h, weighted))
-    limit = finest - slope[0] / p if p > 0.0 else np.full_like(finest, np.nan)  # x is -1 / p at h = 0
-    return _create_fit_record(f"order {p:.2f}", p, weighted, h, limit, residual, 2, 1)
+    return _fit_levels(f"order {p:.2f}", p, weighted, y, h, _box_cox_transform(h, np.array([p])).T)
 
 
 def fit_fixed_orders(y: Array, h: Array, *, with_mixed_order: bool) -> list[ConvergenceFit]:
@@ -326,13 +323,11 @@ def fit_fixed_orders(y: Array, h: Array, *, with_mixed_order: bool) -> list[Conv
     forms: dict[str, tuple[float, ...]] = {"first order": (1.0,), "second order": (2.0,)}
     if with_mixed_order and len(h) > 3:
         forms["first and second order"] = (1.0, 2.0)
-    out = []
-    for form, powers in forms.items():
-        columns = np.stack([h**p for p in powers], axis=1)
-        for weighted in (False, True):
-            limit, _, residual = _linear_least_squares(y, columns, weights_of_mesh_levels(h, weighted))
-            out.append(_create_fit_record(form, None, weighted, h, limit, residual, len(powers) + 1, 0))
-    return out
+    return [
+        _fit_levels(form, None, weighted, y, h, np.stack([h**p for p in powers], axis=1))
+        for form, powers in forms.items()
+        for weighted in (False, True)
+    ]
 
 
 def range_of_compatible_orders(y: Array, h: Array, best: ConvergenceFit) -> tuple[float, float]:
@@ -391,38 +386,32 @@ def _box_cox_transform(h: Array, p: Array) -> Array:
     return np.where(p[:, None] == 0.0, np.log(h), np.expm1(safe * np.log(h)) / safe)
 
 
-def _linear_least_squares(y: Array, columns: Array, w: Array) -> tuple[Array, Array, Array]:
-    """Fit m quantities by a constant and k functions of the cell size, by weighted linear least squares.
+def _fit_levels(form: str, order: float | None, weighted: bool, y: Array, h: Array, columns: Array) -> ConvergenceFit:
+    """Fit the values on all mesh levels by least squares, as linear functions of given columns, and return the fit.
 
-    ``y``: values (levels, m); ``columns``: values of the functions (levels, k); ``w``: weights (levels,). Returns constants
-    (m,), coefficients (k, m) and residuals (levels, m).
+    Parameters
+    ----------
+    form
+        Name of the fitted function.
+    order
+        Order of convergence, one for all quantities; None: the columns have fixed orders.
+    weighted
+        Whether finer mesh levels have larger weights.
+    y
+        Values of m quantities on n mesh levels, (n, m).
+    h
+        Relative cell sizes, (n,).
+    columns
+        Functions of the cell size that are fitted in addition to a constant, (n, k).
     """
-    root = np.sqrt(w)[:, None]
-    basis = np.column_stack([np.ones(len(w)), columns])
+    (n, m), w = y.shape, weights_of_mesh_levels(h, weighted)
+    root, basis = np.sqrt(w)[:, None], np.column_stack([np.ones(n), columns])
     coefficients = np.linalg.lstsq(root * basis, root * y, rcond=None)[0]
-    return np.asarray(coefficients[0]), np.asarray(coefficients[1:]), np.asarray(y - basis @ coefficients)
-
-
-def _create_fit_record(
-    form: str,
-    order: float | None,
-    weighted: bool,
-    h: Array,
-    limit: Array,
-    residual: Array,
-    parameters_of_each: int,
-    shared_parameters: int,
-) -> ConvergenceFit:
-    """Create the record of a fit, with standard deviations that take account of the number of fitted parameters.
-
-    ``form``: name of the fitted function; ``order``: its order; None: fixed orders; ``weighted``: whether levels have
-    weights 1 / h; ``h``: relative cell sizes (levels,); ``limit``: limits at h = 0, (m,); ``residual``: residuals,
-    (levels, m); ``parameters_of_each``: number of parameters for each quantity; ``shared_parameters``: number of parameters
-    that all share.
-    """
-    n, m = residual.shape
-    squares = n * (weights_of_mesh_levels(h, weighted) @ (residual * residual))
-    freedom = (n - parameters_of_each) * m - shared_parameters
+    limit, residual, of_each = coefficients[0], y - basis @ coefficients, basis.shape[1]
+    if order is not None:  # the column is -1 / order at h = 0
+        limit = limit - coefficients[1] / order if order > 0.0 else np.full_like(limit, np.nan)
+    squares = n * (w @ (residual * residual))
+    freedom = (n - of_each) * m - (order is not None)
     deviation = float(np.sqrt(squares.sum() / freedom)) if freedom > 0 else 0.0
-    single = np.sqrt(squares / (n - parameters_of_each)) if n > parameters_of_each else np.zeros(m)
+    single = np.sqrt(squares / (n - of_each)) if n > of_each else np.zeros(m)
     return ConvergenceFit(form, order, weighted, limit, residual, deviation, np.asarray(single))

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import cache, lru_cache, partial
 from importlib import metadata
 from pathlib import Path
@@ -181,36 +181,36 @@ class Run:
     centreline: Array
     #: Contact loads (n, 4) [N] of the 3D model with one of its parts (such as the elastic nut) left out, by the name of the
     #: part.
-    without: dict[str, Array]
+    without: dict[str, Array] = field(default_factory=dict)
     #: Computing times of the solutions in ``without`` [s].
-    without_seconds: dict[str, float]
+    without_seconds: dict[str, float] = field(default_factory=dict)
     #: Numbers of the flanks that were meshed: 0 to 3 for SL, SR, NL, NR.
-    sides: tuple[int, ...]
+    sides: tuple[int, ...] = ()
     #: Number of unknowns of the equivalent single mesh.
-    unknowns: int
+    unknowns: int = 0
     #: Time of each stage of the set-up (meshing, condensing and so on) [s], by its name.
-    stages: dict[str, float]
+    stages: dict[str, float] = field(default_factory=dict)
     #: Computing time of the load case on the finished set-up [s].
-    solve_seconds: float
+    solve_seconds: float = 0.0
     #: Peak memory of the set-up and of the load cases solved up to this one [MB]; None: not measured.
-    peak_MB: float | None
+    peak_MB: float | None = None
     #: Largest unbalanced force on a ball, divided by the largest contact load.
-    balance: float
+    balance: float = 0.0
     #: Largest unbalanced force on a ball along its groove, divided by the largest contact load.
-    along_groove: float
+    along_groove: float = 0.0
     #: Unbalanced force on shaft and housings in the directions in which they are free to move, divided by the largest
     #: contact load.
-    screw_balance: float
+    screw_balance: float = 0.0
     #: Measures of mesh quality by name, such as the cells across a contact and the smallest scaled Jacobian of each body.
-    quality: dict[str, float]
+    quality: dict[str, float] = field(default_factory=dict)
     #: Settings of the mesh (sizes of cells and patches) by name.
-    settings: dict[str, Any]
+    settings: dict[str, Any] = field(default_factory=dict)
     #: Assumptions of scene and 3D model, as sentences.
-    assumed: tuple[str, ...]
+    assumed: tuple[str, ...] = ()
     #: Versions of the programs that affect the result, by name.
-    versions: dict[str, str]
+    versions: dict[str, str] = field(default_factory=dict)
     #: Date of the run.
-    date: str
+    date: str = ""
     #: Remaining change of a contact load in a run that did not fully converge [N], else 0.
     moving: float = 0.0
     #: Hash of the solvers' source files when the run was measured (empty before 0.15).

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from operator import attrgetter
+from dataclasses import replace
 
 import numpy as np
 
@@ -33,23 +32,12 @@ from rollbench.compare.studies import extremes, survey
 from rollbench.compare.studies.survey_models import LoadErrorsAndTimes
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.reports.content import ColumnKey, Figure, Panel, Row, Section, Series, Summary, Table, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Summary, Table, Text
 
 QUESTION = "How accurate are low-order models of ball screws, and how much run time does a more accurate model take?"
 TITLE = "Contact-load errors of the models on all compared screws"
-#: Columns of the table of models and mesh levels, each with the field of `ModelAccuracy`.
-ACCURACY_COLUMNS: dict[ColumnKey, str] = {
-    "model_or_level": "name",
-    "long_name": "label",
-    "scenes": "scene_count",
-    "largest_load_error_over_scenes_median": "median_error_percent",
-    "largest_load_error_over_scenes": "largest_error_percent",
-    "scene_of_largest_error": "scene_of_largest_error",
-    "rms_error_over_scenes_median": "median_rms_error_percent",
-    "rms_error_over_scenes": "largest_rms_error_percent",
-    "check_error_median": "median_gate_error.error",
-    ("scenes_within", f"{LIMIT:g}"): "passed_scene_count",
-}
+#: Column of the median over the scenes of the largest error [% of the mean load].
+MEDIAN = "largest_load_error_over_scenes_median"
 #: Models that represent their family in figures and tables.
 KINDS = {DEFAULT: "refined", "lin": "lin"}
 #: Names of these models in a sentence.
@@ -66,57 +54,10 @@ LEFT_OUT = (
 )
 
 
-@dataclass(frozen=True)
-class ModelAccuracy:
-    """Contact-load errors of one model or 3D mesh level, summarised over the shipped scenes.
+def model_accuracy_table(points: Mapping[str, Sequence[reference_time.ErrorAndRunTime]]) -> Table:
+    """Return the table of load errors of every model and 3D mesh level over all shipped scenes; least accurate first.
 
     For the finest mesh level, which is the reference, its mesh uncertainty takes the place of the error.
-    """
-
-    #: Short name of the model or mesh level, for figures.
-    name: str
-    #: Name of the model or mesh level in tables.
-    label: str
-    #: Number of scenes on which the model or mesh converged.
-    scene_count: int
-    #: Largest error of a contact load on any of the scenes [% of the mean load of that scene].
-    largest_error_percent: float
-    #: Name of the scene with the largest contact-load error of the model or mesh level.
-    scene_of_largest_error: str
-    #: Median over the scenes of the largest error [% of the mean load].
-    median_error_percent: float
-    #: Median over the scenes of the RMS error of the contact loads [% of the mean load].
-    median_rms_error_percent: float
-    #: Largest RMS error over the scenes [% of the mean load].
-    largest_rms_error_percent: float
-    #: Median over the scenes of the largest error as ``rollbench check`` judges it, in per cent of the contact's load
-    #: (for nearly unloaded contacts, of the mean load), and medians of the ends of its range.
-    median_gate_error: reference_time.LargestErrorWithRange
-    #: Number of scenes that pass ``rollbench check`` with its default limit.
-    passed_scene_count: int
-
-
-def largest_error_or_mesh_uncertainty(point: reference_time.ErrorAndRunTime) -> float:
-    """Return the largest contact-load error of a model or 3D mesh on a scene [% of the mean load].
-
-    ``point``: errors and run time of the model or mesh. For the finest mesh level, which is the reference, its mesh
-    uncertainty is returned.
-    """
-    return point.high if point.error == 0.0 and point.high is not None else point.error
-
-
-def check_error_or_mesh_uncertainty(point: reference_time.ErrorAndRunTime) -> reference_time.LargestErrorWithRange:
-    """Return the largest contact-load error of a model or 3D mesh on a scene as ``rollbench check`` judges it [%].
-
-    The error is in per cent of the contact's reference load or, for a nearly unloaded contact, of the mean contact load.
-    ``point``: errors and run time of the model or mesh. For the finest mesh level, which is the reference, its mesh
-    uncertainty takes the place of the error.
-    """
-    return replace(point.gate, error=point.gate.high) if point.gate.error == 0.0 else point.gate
-
-
-def summarise_accuracy_by_model(points: Mapping[str, Sequence[reference_time.ErrorAndRunTime]]) -> list[ModelAccuracy]:
-    """Return errors of every model and 3D mesh level, summarised over the scenes; least accurate first.
 
     Parameters
     ----------
@@ -126,38 +67,36 @@ def summarise_accuracy_by_model(points: Mapping[str, Sequence[reference_time.Err
     found: dict[str, list[tuple[str, reference_time.ErrorAndRunTime]]] = {}
     for scene, several in points.items():
         for point in several:
-            if point.status == "converged" and largest_error_or_mesh_uncertainty(point) > 0.0:
+            if point.status == "converged" and max(point.error, point.high) > 0.0:
                 found.setdefault(point.label, []).append((scene, point))
-    every = (_summarise_model_accuracy(label, group) for label, group in found.items())
-    return sorted(every, key=lambda s: -s.median_error_percent)
-
-
-def _summarise_model_accuracy(
-    label: str, points_by_scene: Sequence[tuple[str, reference_time.ErrorAndRunTime]]
-) -> ModelAccuracy:
-    """Return the errors of one model or mesh level, as medians and maxima over the scenes.
-
-    ``label``: name of the model or mesh level in tables. ``points_by_scene``: pairs of a scene's name, and errors and run
-    time on this scene.
-    """
-    first = points_by_scene[0][1]
-    errors = [largest_error_or_mesh_uncertainty(p) for _, p in points_by_scene]
-    k = int(np.argmax(errors))
-    gate = [check_error_or_mesh_uncertainty(p) for _, p in points_by_scene]
-    return ModelAccuracy(
-        name=first.name,
-        label=label,
-        scene_count=len(points_by_scene),
-        largest_error_percent=errors[k],
-        scene_of_largest_error=points_by_scene[k][0],
-        median_error_percent=float(np.median(errors)),
-        median_rms_error_percent=float(np.median([p.rms for _, p in points_by_scene])),
-        largest_rms_error_percent=max(p.rms for _, p in points_by_scene),
-        median_gate_error=reference_time.LargestErrorWithRange(
-            *(float(np.median(ends)) for ends in zip(*((g.error, g.low, g.high) for g in gate), strict=True))
-        ),
-        passed_scene_count=sum(g.high <= LIMIT for g in gate),
+    rows: list[Row] = []
+    for label, group in found.items():
+        each = [point for _, point in group]
+        errors, rms = [p.error or p.high for p in each], [p.rms for p in each]
+        k = int(np.argmax(errors))
+        rows.append(
+            {
+                "model_or_level": each[0].name,
+                "long_name": label,
+                "scenes": len(group),
+                MEDIAN: float(np.median(errors)),
+                "largest_load_error_over_scenes": errors[k],
+                "scene_of_largest_error": group[k][0],
+                "rms_error_over_scenes_median": float(np.median(rms)),
+                "rms_error_over_scenes": max(rms),
+                "check_error_median": float(np.median([p.gate_error or p.gate_high for p in each])),
+                ("scenes_within", f"{LIMIT:g}"): sum(p.gate_high <= LIMIT for p in each),
+            }
+        )
+    note = (
+        "Errors against the finest mesh level of the 3D reference, on the example screws and bearings of rollbench; the "
+        f"table reference-time has the values of each. Rule of rollbench check: errors {RULE}; a contact load is within "
+        "the limit if its error plus uncertainty is. The finest mesh level is the reference: its mesh uncertainty is "
+        "shown as its error, and its RMS error is zero by definition."
     )
+    title = "Errors of each model and 3D mesh level on the example screws and bearings"
+    table = Table.from_rows("overview-models", title, sorted(rows, key=lambda row: -row[MEDIAN]), note)  # type: ignore[operator]
+    return replace(table, csv_only=("long_name", "rms_error_over_scenes_median", "rms_error_over_scenes"))
 
 
 def error_distribution_and_time_figure(largest_errors: Mapping[str, Array], timed: Sequence[LoadErrorsAndTimes]) -> Figure:
@@ -387,44 +326,28 @@ LIMITS = (
 )
 
 
-def largest_error_bar_chart(accuracies: Sequence[ModelAccuracy]) -> Figure:
+def largest_error_bar_chart(table: Table) -> Figure:
     """Draw the largest load error of each model and 3D mesh level: its median over the scenes as a bar, and its maximum.
 
-    ``accuracies``: errors of each model and mesh level over the shipped scenes.
+    ``table``: `model_accuracy_table`.
     """
-    rows = [float(k) for k in range(1, len(accuracies) + 1)]
+    median, largest = table.columns[MEDIAN], table.columns["largest_load_error_over_scenes"]
+    rows = [float(k) for k in range(1, len(median) + 1)]
     series = (
-        Series("median over the scenes", [s.median_error_percent for s in accuracies], rows, "bars"),
-        Series("maximum over the scenes", [s.largest_error_percent for s in accuracies], rows, "markers"),
+        Series("median over the scenes", median, rows, "bars"),  # type: ignore[arg-type]
+        Series("maximum over the scenes", largest, rows, "markers"),  # type: ignore[arg-type]
     )
-    names = [f"{s.name}: {s.median_error_percent:.2g} %" for s in accuracies]
+    medians = dict(zip(table.columns["model_or_level"], median, strict=True))
+    names = [f"{name}: {error:.2g} %" for name, error in medians.items()]
     panel = Panel("", "largest error of a contact load / % of the mean load", "", series, ordinate_names=names)
-    medians = {s.name: s.median_error_percent for s in accuracies}
     title = ", ".join(f"{medians[model]:.2g} % with {NAMES[model]}" for model in KINDS if model in medians)
     caption = (
         "Errors on the example screws and bearings of rollbench, against the finest mesh level of the 3D reference. Bars: "
         "medians; markers: maxima."
     )
-    size = (7.6, 1.2 + 0.26 * len(accuracies))
+    size = (7.6, 1.2 + 0.26 * len(rows))
     title = f"Largest contact-load error on a screw or bearing, in per cent of the mean load: median {title}"
     return Figure("overview-bars", title, (panel,), caption, columns=1, size=size)
-
-
-def model_accuracy_table(accuracies: Sequence[ModelAccuracy]) -> Table:
-    """Return the table of load errors of each model and 3D mesh level over the shipped scenes.
-
-    ``accuracies``: errors of each model and mesh level.
-    """
-    columns = {column: list(map(attrgetter(field), accuracies)) for column, field in ACCURACY_COLUMNS.items()}
-    note = (
-        "Errors against the finest mesh level of the 3D reference, on the example screws and bearings of rollbench; the "
-        f"table reference-time has the values of each. Rule of rollbench check: errors {RULE}; a contact load is within "
-        "the limit if its error plus uncertainty is. The finest mesh level is the reference: its mesh uncertainty is "
-        "shown as its error, and its RMS error is zero by definition."
-    )
-    title = "Errors of each model and 3D mesh level on the example screws and bearings"
-    csv_only = ("long_name", "rms_error_over_scenes_median", "rms_error_over_scenes")
-    return Table("overview-models", title, columns, note, csv_only=csv_only)
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
@@ -451,7 +374,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     told = answers(count, largest_check_errors_on_screws(compared), bars, total)
     timed = measured_on_drawn_screws(cache)
     told.append(("Run time", run_time_sentence(timed)))
-    table = model_accuracy_table(summarise_accuracy_by_model(points))
+    table = model_accuracy_table(points)
     step("every model on every quantity")
     step("printed values by table and section")
     folders = {name: one.case.folder for name, one in all_computations().items()}
@@ -462,7 +385,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         counts_of_reproduced_numbers_table(laid, "printed-values"),
     )
     summary = Summary(QUESTION, told, error_distribution_and_time_figure(screws, timed), covered, LIMITS, table, items)
-    shown: list[Table | Figure] = [largest_error_bar_chart(summarise_accuracy_by_model(points)), table]
+    shown: list[Table | Figure] = [largest_error_bar_chart(table), table]
     return Section("overview", title, shown, conclusion=told[0][1], summary=summary)
 
 

@@ -147,50 +147,31 @@ CHECKED, LEVEL = "unseen-four-point", 1
 AGREES = 1e-3
 
 
-@dataclass(frozen=True)
-class OmittedParts:
-    """Parts or pictures that a report leaves out, with the reason and the command that adds them."""
+def split_into_made_and_omitted_parts(parts: Sequence[ReportPart]) -> tuple[list[ReportPart], list[str]]:
+    """Return those of the requested ``parts`` of the report that can be made, and a text on those that are left out.
 
-    #: Names of the parts or pictures that the report leaves out.
-    names: tuple[str, ...]
-    #: Reason why the report leaves these parts out.
-    reason: str
-    #: Command that adds these parts to the report.
-    command_to_add: str
-
-    def __str__(self) -> str:
-        """Return names, reason and command as one line."""
-        return f"{', '.join(self.names)}: {self.reason}; {self.command_to_add}"
-
-
-def split_into_made_and_omitted_parts(parts: Sequence[ReportPart]) -> tuple[list[ReportPart], list[OmittedParts]]:
-    """Return those of the requested ``parts`` of the report that can be made, and a list of the others with the reason.
-
-    Parts that generate meshes are left out if gmsh cannot be loaded.
+    Parts that generate meshes are left out if gmsh cannot be loaded. The text, if any, states them, the reason and the
+    command that adds them.
     """
-    left, out = list[OmittedParts](), set[str]()
     meshing = [part for part in parts if part.needs_gmsh or part.contents_needing_gmsh]
     fault = gmsh_fault() if meshing else ""
-    if fault:
-        names = tuple(
-            f"{part.name} ({part.contents_needing_gmsh})" if part.contents_needing_gmsh else part.name for part in meshing
-        )
-        left.append(OmittedParts(names, f"gmsh cannot be loaded ({fault})", apt_command(MESHING, PICTURES)))
-        out = {part.name for part in meshing if part.needs_gmsh}
-    return [part for part in parts if part.name not in out], left
+    if not fault:
+        return list(parts), []
+    names = (f"{p.name} ({p.contents_needing_gmsh})" if p.contents_needing_gmsh else p.name for p in meshing)
+    text = f"{', '.join(names)}: gmsh cannot be loaded ({fault}); {apt_command(MESHING, PICTURES)}"
+    return [part for part in parts if not part.needs_gmsh], [text]
 
 
-def omitted_picture_entries(sections: Iterable[Section]) -> list[OmittedParts]:
-    """Return a list with an entry on the report's 3D pictures if this machine cannot draw them; else an empty list.
+def omitted_picture_entries(sections: Iterable[Section]) -> list[str]:
+    """Return a list with a text on the report's 3D pictures if this machine cannot draw them; else an empty list.
 
     ``sections``: sections of the report, which may contain 3D pictures.
     """
-    left = []
     if any(isinstance(item, LoadedScrew | FieldPicture) for section in sections for item in section.items) and (
         why := reason_drawing_fails()
     ):
-        left.append(OmittedParts(("3D pictures",), why, apt_command(PICTURES)))
-    return left
+        return [f"3D pictures: {why}; {apt_command(PICTURES)}"]
+    return []
 
 
 @dataclass(frozen=True)

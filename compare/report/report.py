@@ -361,7 +361,7 @@ def write_validation_report(
     facts["3D reference"] = "shipped runs" if stored or not meshing else computed
     missed += report_pages.omitted_picture_entries(section for several in sections.values() for section in several)
     if missed:
-        facts["left out"] = "; ".join(str(gap) for gap in missed)
+        facts["left out"] = "; ".join(missed)
     if checking:
         facts["checks"] = PENDING
     slow = (part.name for part in report_pages.SECTIONS if not part.in_quick_report)

@@ -9,17 +9,11 @@ from pathlib import Path
 from rollbench.compare.case import all_cases
 from rollbench.compare.models import uncertainty
 from rollbench.compare.models.comparison import REFERENCED
-from rollbench.compare.models.modelling import (
-    DEEP,
-    REFINED,
-    UNSEEN,
-    VARIED,
-    combined_modelling_uncertainty,
-    effects_of_changed_choices,
-)
+from rollbench.compare.models.modelling import DEEP, REFINED, UNSEEN, VARIED
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference import estimate, jobs
 from rollbench.compare.reference.levels import LEVELS, STUDIED
+from rollbench.compare.sections.reference import modelling_uncertainty_by_scene
 from rollbench.compare.sections.u_val import mesh_uncertainty_parameters
 
 Step = Callable[[str], None]
@@ -71,8 +65,6 @@ def save_uncertainty_parameters(stores: Sequence[Path]) -> None:
     known = mesh_uncertainty_parameters(study)
     if known is not None:
         estimate.save_uncertainty_of_other_scenes(stores[0], known)
-    scenes = [study.built_in_scene(name) for name in VARIED]
-    varied = [combined_modelling_uncertainty(scene, effects_of_changed_choices(scene, stores)) for scene in scenes]
-    found = [one for one in varied if one is not None]
+    found = [*modelling_uncertainty_by_scene(study).values()]
     if len(found) == len(VARIED):
         uncertainty.save_choice_effects(stores[0], found)

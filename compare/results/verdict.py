@@ -233,7 +233,7 @@ def judge_scenes(
     """
     warnings: list[str] = []
     judged = judge_load_cases(described, names, request, engine, step, warnings.append)
-    left = quantities_without_verdict(judged) if request.loads_file or request.values_file else []
+    left = quantities_without_verdict(judged) if request.loads or request.values else []
     return Verdict(tuple(judged), tuple(warnings), tuple(left), tuple(described))
 
 

@@ -6,7 +6,7 @@ It also makes table and figure of the range of compared scenes: their sizes, con
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -17,7 +17,6 @@ from rollbench.compare.models.comparison import RULE
 from rollbench.compare.models.model_form import MeasuredModelErrors, model_errors_on_compared_scenes
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import SceneResultCache
-from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
 
@@ -63,66 +62,46 @@ NOT_FIT = (
 )
 
 
-@dataclass(frozen=True)
-class ModelErrors:
-    """Absolute errors of one model in one quantity, against the 3D reference, on all scenes that have this reference."""
+def accuracy_rows(points: Sequence[MeasuredModelErrors]) -> list[Row]:
+    """Return table rows on the absolute errors of every model in every compared quantity, over all scenes.
 
-    #: Quantity of which the errors are given, as a key of `NAMES`.
-    quantity_key: str
-    #: Name of the model.
-    model: str
-    #: Absolute errors on n scenes, (n,) [%].
-    absolute_errors: Array
-
-    @property
-    def share_within_limit(self) -> float | None:
-        """Share (0 to 1) of scenes with an error within the limit of ``rollbench check``; None if there is no limit."""
-        return float(np.mean(self.absolute_errors <= LIMITS[self.quantity_key])) if self.quantity_key in LIMITS else None
-
-    @property
-    def is_accurate_enough(self) -> bool | None:
-        """Whether at least 95 % of the scenes have errors within the limit of ``rollbench check``; None without limit."""
-        return None if self.share_within_limit is None else self.share_within_limit >= 0.95
-
-    @property
-    def table_row(self) -> Row:
-        """Table row: median, 95th percentile and largest error, limit of ``rollbench check``, share of scenes within it."""
-        share, good = self.share_within_limit, self.is_accurate_enough
-        return {
-            "quantity": WORDS[self.quantity_key],
-            "model": self.model,
-            "scenes": int(self.absolute_errors.size),
-            "median_error": float(np.median(self.absolute_errors)),
-            "error_p95": float(np.percentile(self.absolute_errors, 95)),
-            "largest_error": float(self.absolute_errors.max()),
-            "check_limit": LIMITS.get(self.quantity_key),
-            "share_within_limit": None if share is None else 100.0 * share,
-            "accurate_enough": None if good is None else "yes" if good else "no",
-        }
-
-
-def absolute_errors_by_model_and_quantity(points: Sequence[MeasuredModelErrors]) -> list[ModelErrors]:
-    """Return the absolute errors of every model in every compared quantity, over all scenes with a 3D reference.
-
-    ``points``: errors against the 3D reference, one record for each model and scene, with the errors in all quantities.
+    Each row has the median, 95th percentile and largest error, the limit of ``rollbench check``, and the share of scenes
+    within it. A model is accurate enough if at least 95 % of the scenes are. ``points``: errors against the 3D reference,
+    one record for each model and scene, with the errors in all quantities.
     """
-    found = []
-    for model in dict.fromkeys(p.model for p in points):
-        for key in NAMES:
-            errors = np.array([abs(v) for p in points if p.model == model and (v := getattr(p, key)) is not None])
-            if errors.size:
-                found.append(ModelErrors(key, model, errors))
-    return found
+    rows: list[Row] = []
+    for model, key in product(dict.fromkeys(p.model for p in points), NAMES):
+        errors = np.array([abs(v) for p in points if p.model == model and (v := getattr(p, key)) is not None])
+        if errors.size:
+            limit = LIMITS.get(key)
+            share = None if limit is None else float(np.mean(errors <= limit))
+            rows.append(
+                {
+                    "quantity": WORDS[key],
+                    "model": model,
+                    "scenes": int(errors.size),
+                    "median_error": float(np.median(errors)),
+                    "error_p95": float(np.percentile(errors, 95)),
+                    "largest_error": float(errors.max()),
+                    "check_limit": limit,
+                    "share_within_limit": None if share is None else 100.0 * share,
+                    "accurate_enough": None if share is None else "yes" if share >= 0.95 else "no",
+                }
+            )
+    return rows
 
 
-def sentences_on_accurate_quantities(model_errors: Sequence[ModelErrors]) -> str:
+def sentences_on_accurate_quantities(rows: Sequence[Row]) -> str:
     """Return sentences that name the quantities for which the default model is accurate enough, and Lin's model is not.
 
     A model is accurate enough for a quantity if its error is within the limit of ``rollbench check`` on at least 95 % of
-    the compared scenes. ``model_errors``: errors by model and quantity.
+    the compared scenes. ``rows``: `accuracy_rows`.
     """
-    good = [NAMES[x.quantity_key] for x in model_errors if x.model == DEFAULT and x.is_accurate_enough]
-    bad = [NAMES[x.quantity_key] for x in model_errors if x.model == "lin" and x.is_accurate_enough is False]
+    name_of = {words: NAMES[key] for key, words in WORDS.items()}
+    good, bad = (
+        [name_of[str(row["quantity"])] for row in rows if (row["model"], row["accurate_enough"]) == wanted]
+        for wanted in ((DEFAULT, "yes"), ("lin", "no"))
+    )
     held = " Accurate enough: error within the limit of rollbench check on at least 95 % of the screws and bearings."
     fit = f"is accurate enough for the {_join_with_and(good)}." if good else "is not shown to be accurate enough."
     unfit = f" The model lin is not accurate enough for the {_join_with_and(bad)}." if bad else ""
@@ -140,7 +119,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     ``cache`` is not used. ``step`` is called with each line of progress.
     """
     step("all compared scenes")
-    found = absolute_errors_by_model_and_quantity(model_errors_on_compared_scenes())
+    rows = accuracy_rows(model_errors_on_compared_scenes())
     note = (
         "Errors against the 3D reference on all example and all randomly drawn screws and bearings. Accurate enough: at "
         f"least 95 % of them are within the error limit of rollbench check. This is {LIMIT:g} % for contact loads {RULE}; "
@@ -148,8 +127,8 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         "load have no limit. The error by the rule of rollbench check is not stored for all of them."
     )
     title = "Errors of each model against the 3D reference over all compared screws and bearings, by quantity"
-    table = Table.from_rows("fit-for", title, [x.table_row for x in found], note)
-    items, conclusion = (table, Text(NOT_FIT, bullets=True)), sentences_on_accurate_quantities(found)
+    table = Table.from_rows("fit-for", title, rows, note)
+    items, conclusion = (table, Text(NOT_FIT, bullets=True)), sentences_on_accurate_quantities(rows)
     return Section("fit", "Quantities for which each model is accurate enough", items, conclusion=conclusion)
 
 
@@ -204,11 +183,3 @@ def validated_range_figure(scene: Scene | None = None) -> Figure:
 def _descriptor_label(descriptor: applicability.Descriptor) -> str:
     """Return the axis label of a descriptor (a number that describes a scene, such as a size ratio): its name and unit."""
     return f"{descriptor.name} / {descriptor.unit}" if descriptor.unit else descriptor.name
-
-
-def validated_range_table_and_figure(cache: SceneResultCache) -> tuple[Table | Figure, ...]:  # noqa: ARG001 - as every part of a section
-    """Return table and figure of the range of scenes that were compared with the 3D reference; no scene is marked.
-
-    ``cache`` is not used.
-    """
-    return validated_range_table(), validated_range_figure()

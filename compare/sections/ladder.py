@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from rollbench.compare.measure import LoadError, error_percent, load_error, mean_load
+from rollbench.compare.measure import error_percent, load_error, mean_load
 from rollbench.compare.models.comparison import REFERENCED
 from rollbench.compare.models.model_form import SHARE
 from rollbench.compare.models.modelling import (
@@ -48,37 +48,6 @@ CHOICES: dict[str, ComplianceModel] = {
 VARIED = ("lin-case1", "lin-case3", "unseen-thin-nut")
 
 
-@dataclass(frozen=True)
-class ChoiceEffect:
-    """Effect of one modelling choice of the refined model on the contact loads of one scene."""
-
-    #: Name of the scene.
-    scene: str
-    #: Description of the change to the modelling choice.
-    changed_choice: str
-    #: Largest change of a contact load that the changed choice causes [% of the mean load].
-    largest_load_change_percent: float
-    #: Contact-load errors of the changed model against the 3D reference.
-    load_errors: LoadError
-
-
-def modelling_choice_effects(cache: SceneResultCache, name: str) -> Iterator[ChoiceEffect]:
-    """Yield, for one scene, the effect of each modelling choice of the refined model on the contact loads.
-
-    The first item yielded describes the unchanged model. ``name``: name of the scene. Yields nothing for a scene without a
-    stored 3D reference.
-    """
-    scene, reference = cache.built_in_scene(name), cache.stored_reference(name)
-    if reference is None:
-        return
-    base = solve_elastic(scene).load
-    mean = mean_load(base, reference.contacts)
-    for label, backend in {"unchanged": REFINED, **CHOICES}.items():
-        load = solve_elastic(scene, backend=backend).load
-        change = float(np.abs(np.asarray(error_percent(load, base, mean))).max())
-        yield ChoiceEffect(name, label, change, load_error(load, reference.load, reference.contacts))
-
-
 def model_error_table(model_solutions: Sequence[RefinementStepResult]) -> Table:
     """Return the table of the contact-load errors of every low-order model on every scene, simplest model first.
 
@@ -114,19 +83,15 @@ def model_error_figure(model_solutions: Sequence[RefinementStepResult]) -> Figur
     order = [m.name for m in RUNGS]
     scenes = list(dict.fromkeys(r.scene for r in model_solutions))
 
-    def panel(title: str, error: Callable[[RefinementStepResult], float]) -> Panel:
-        found = {(r.scene, order.index(r.model) + 1.0): error(r) for r in model_solutions}
+    panels = []
+    for title, name in (("largest contact-load error", "max_percent"), ("RMS error of the contact loads", "rms_percent")):
+        found = {(r.scene, order.index(r.model) + 1.0): float(getattr(r.load_error, name)) for r in model_solutions}
         steps = sorted({x for _, x in found})
-        curves = [(name, [x for x in steps if (name, x) in found]) for name in scenes]
-        series = [Series(name, x, [found[name, v] for v in x], "line", pale=True) for name, x in curves]
+        curves = [(scene, [x for x in steps if (scene, x) in found]) for scene in scenes]
+        series = [Series(scene, x, [found[scene, v] for v in x], "line", pale=True) for scene, x in curves]
         middle = [float(np.median([y for (_, x), y in found.items() if x == step])) for step in steps]
         series.append(Series("median", steps, middle, "line+markers", bold=True))
-        return Panel(title, "", "error / % of the mean load", tuple(series), log_axes="y", abscissa_names=order)
-
-    panels = (
-        panel("largest contact-load error", lambda r: float(r.load_error.max_percent)),
-        panel("RMS error of the contact loads", lambda r: float(r.load_error.rms_percent)),
-    )
+        panels.append(Panel(title, "", "error / % of the mean load", series, log_axes="y", abscissa_names=order))
     caption = f"Each pale line: one of the {len(scenes)} example screws and bearings; bold line: their median."
     title = "Contact-load error of each low-order model against the 3D reference, from the simplest to the refined model"
     return Figure("ladder-rungs", title, panels, caption, same_y=True)
@@ -140,16 +105,23 @@ def choice_effects_table(cache: SceneResultCache, step: Callable[[str], None]) -
     rows: list[Row] = []
     for name in VARIED:
         step(f"choices of the refined model varied on {name}")
-        rows += [
-            {
-                "scene": c.scene,
-                "modelling_choice": c.changed_choice,
-                "largest_change": c.largest_load_change_percent,
-                "largest_load_error_changed": c.load_errors.max_percent,
-                "rms_error_changed": c.load_errors.rms_percent,
-            }
-            for c in modelling_choice_effects(cache, name)
-        ]
+        scene, reference = cache.built_in_scene(name), cache.stored_reference(name)
+        if reference is None:
+            continue
+        base = solve_elastic(scene).load
+        mean = mean_load(base, reference.contacts)
+        for label, backend in {"unchanged": REFINED, **CHOICES}.items():
+            load = solve_elastic(scene, backend=backend).load
+            error = load_error(load, reference.load, reference.contacts)
+            rows.append(
+                {
+                    "scene": name,
+                    "modelling_choice": label,
+                    "largest_change": float(np.abs(error_percent(load, base, mean)).max()),
+                    "largest_load_error_changed": error.max_percent,
+                    "rms_error_changed": error.rms_percent,
+                }
+            )
     note = (
         "The choices of the refined model follow from arguments and are not fitted. The loaded patch is as wide as the "
         "groove (half the distance between the contacts of its two flanks), because a smooth body cannot resolve finer "

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from rollbench.compare.gate.verdict import LIMIT
-from rollbench.compare.measure import LoadError, error_percent, load_error
+from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models import modelling
 from rollbench.compare.models.comparison import (
     PRINTED,
@@ -30,27 +30,17 @@ from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, load_stored_run
 from rollbench.compare.sections import curves
 from rollbench.compare.sections.reference_time import run_time_items
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
 
 References = Mapping[str, Reference]
 
 
-def references_of_case_studies(cache: SceneResultCache) -> dict[str, Reference]:
-    """Return the stored 3D references of the case studies, by name of the scene."""
-    return cache.stored_references(REFERENCED)
-
-
 def modelling_uncertainty_by_scene(cache: SceneResultCache) -> dict[str, modelling.ModellingUncertainty]:
-    """Return the modelling uncertainty of the 3D reference, by name of the scenes with varied modelling choices."""
-    return cache.compute_once(_compute_modelling_uncertainty)
+    """Return the uncertainty of the 3D contact loads by modelling choices, for each scene on which they were varied.
 
-
-def _compute_modelling_uncertainty(cache: SceneResultCache) -> dict[str, modelling.ModellingUncertainty]:
-    """Compute the modelling uncertainty of each scene with varied modelling choices (`VARIED`), by the scene's name.
-
-    It is computed from stored runs of the 3D reference, each with one changed choice. Scenes without such runs are left
-    out.
+    ``cache``: has the scenes and stored runs. Scenes without stored runs with changed choices are left out.
     """
     found = {}
     for scene in map(cache.built_in_scene, modelling.VARIED):
@@ -75,23 +65,36 @@ def load_error_table(cache: SceneResultCache, references: References) -> Table:
     reference of each scene, by name of the scene.
     """
     rows: list[Row] = []
-    modelled = modelling_uncertainty_by_scene(cache)
+    modelled = cache.compute_once(modelling_uncertainty_by_scene)
     for name, ref in references.items():
         scene = cache.built_in_scene(name)
-        bars = (largest_uncertainty_percent(ref), modelling.applicable_modelling_uncertainty(name, modelled))
-        keys = PRINTED.get(name)
+        uncertainty = largest_uncertainty_percent(ref), modelling.applicable_modelling_uncertainty(name, modelled)
+        keys, found = PRINTED.get(name), list[tuple[str, Array, str | None]]()
         for model in models_shown_for_scene(scene):
-            result = cache.solve_once(name, model.name)
-            e = load_error(result.load, ref.load, ref.contacts)
             shown = keys[:2] if keys and model.name == "lin" else ()
             printed = " / ".join(printed_entry("lin-2.4.1", k).number_as_printed for k in shown) or "–"
-            rows.append(_load_error_row((name, model.label), e, load_ratio(result.load), printed, bars))
+            found.append((model.label, cache.solve_once(name, model.name).load, printed))
         source = load_stored_run(scene, SOURCE_LEVEL, stores=cache.reference_folders)
-        for coarser in solutions_of_reference_runs(ref, source):
-            if coarser.model != f"3D level {ref.best.level}":
-                e = load_error(coarser.load, ref.load, ref.contacts)
-                rows.append(_load_error_row((name, LABELS[coarser.model]), e, load_ratio(coarser.load), "–", bars))
-        rows.append(_load_error_row((name, LABELS[f"3D level {ref.best.level}"]), None, load_ratio(ref.load), None, bars))
+        finest = f"3D level {ref.best.level}"
+        coarser = (run for run in solutions_of_reference_runs(ref, source) if run.model != finest)
+        found += [(LABELS[run.model], run.load, "–") for run in coarser]
+        for label, load, printed_errors in (*found, (LABELS[finest], ref.load, None)):
+            e = None if printed_errors is None else load_error(load, ref.load, ref.contacts)
+            rows.append(
+                {
+                    "scene": name,
+                    "model": label,
+                    "largest_load_error": None if e is None else e.max_percent,
+                    "at_largest_error": None if e is None else f"{e.ball} {e.side}",
+                    "rms_error": None if e is None else e.rms_percent,
+                    "largest_load_error_own": None if e is None else e.own_max_percent,
+                    "rms_error_own": None if e is None else e.own_rms_percent,
+                    "lin_errors_against_ansys": printed_errors,
+                    "mesh_uncertainty": uncertainty[0],
+                    "modelling_uncertainty": uncertainty[1],
+                    "load_ratio_on_sl": load_ratio(load),
+                }
+            )
     note = (
         "Errors against the finest mesh level of the 3D reference. Printed by Lin: errors that the thesis prints for its "
         "low-order model against its ANSYS model (whose loads are not printed), relative to the load of each contact. Mesh "
@@ -110,47 +113,6 @@ LABELS = {
 }
 
 
-def _load_error_row(
-    scene_and_model: tuple[str, str],
-    model_errors: LoadError | None,
-    load_ratio_of_flank: float,
-    printed_errors: str | None,
-    uncertainties: tuple[float | None, float | None],
-) -> Row:
-    """Return one row of `load_error_table`: contact-load errors of one model or mesh on one scene.
-
-    Parameters
-    ----------
-    scene_and_model
-        Name of the scene, and label of the model or mesh.
-    model_errors
-        Errors of the contact loads; None for the finest mesh level itself.
-    load_ratio_of_flank
-        Ratio of the largest to the smallest contact load on flank SL (left flank of the screw's groove).
-    printed_errors
-        Contact-load errors of the thesis's low-order model against ANSYS, as printed in Lin's thesis.
-    uncertainties
-        Uncertainty of the 3D reference by its mesh, and by its modelling choices [% of the mean load].
-    """
-    errors: Sequence[float | None] = (None,) * 4
-    at = None
-    if (e := model_errors) is not None:
-        errors, at = (e.max_percent, e.rms_percent, e.own_max_percent, e.own_rms_percent), f"{e.ball} {e.side}"
-    return {
-        "scene": scene_and_model[0],
-        "model": scene_and_model[1],
-        "largest_load_error": errors[0],
-        "at_largest_error": at,
-        "rms_error": errors[1],
-        "largest_load_error_own": errors[2],
-        "rms_error_own": errors[3],
-        "lin_errors_against_ansys": printed_errors,
-        "mesh_uncertainty": uncertainties[0],
-        "modelling_uncertainty": uncertainties[1],
-        "load_ratio_on_sl": load_ratio_of_flank,
-    }
-
-
 def contact_load_tables(cache: SceneResultCache, references: References) -> list[Table]:
     """Return, for each scene, a table with the load and contact angle of every contact by every model and mesh.
 
@@ -167,7 +129,6 @@ def contact_load_tables(cache: SceneResultCache, references: References) -> list
             if not any(a.load[i, s] > 0.0 for a in answers):
                 continue
             truth, low = float(ref.load[i, s]), answers[0]
-            bar = None if ref.uncertainty is None else float(ref.uncertainty[i, s])
             error = float(error_percent(low.load[i, s], truth)) if truth > 0.0 else None
             angle, low_angle = (float(x[i, s]) if np.isfinite(x[i, s]) else None for x in (ref.best.angle, low.angle))
             rows.append(
@@ -175,7 +136,7 @@ def contact_load_tables(cache: SceneResultCache, references: References) -> list
                     "ball": i + 1,
                     "flank": SIDES[s],
                     **{("load_of", label): float(a.load[i, s]) for label, a in zip(labels, answers, strict=True)},
-                    "mesh_uncertainty_N": bar,
+                    "mesh_uncertainty_N": float(ref.uncertainty[i, s]),
                     "load_error_refined": error,
                     ("contact_angle_of", "3D reference"): angle,
                     ("contact_angle_of", "refined model"): low_angle,
@@ -229,10 +190,9 @@ def contact_load_figures(cache: SceneResultCache, references: References) -> lis
             if not (ref.load[:, s] > 0.0).any() or (s >= 2 and len(ref.best.sides) == 2):
                 continue
             series = [curves.contact_load_curve(f"3D reference, level {ref.best.level}", ref, s, emphasis=True)]
-            if ref.uncertainty is not None:
-                ends = (ref.load[:, s] - ref.uncertainty[:, s], ref.load[:, s] + ref.uncertainty[:, s])
-                low, high = map(curves.scale_to_python_floats, ends)
-                series.insert(0, Series("uncertainty of the 3D reference", series[0].x, low, "band", high))
+            ends = (ref.load[:, s] - ref.uncertainty[:, s], ref.load[:, s] + ref.uncertainty[:, s])
+            low, high = map(curves.scale_to_python_floats, ends)
+            series.insert(0, Series("uncertainty of the 3D reference", series[0].x, low, "band", high))
             series += [curves.contact_load_curve(m.label, a, s) for m, a in answers.items() if (a.load[:, s] > 0.0).any()]
             panels.append(curves.contact_load_panel(SIDES[s], *series))
         shown = f"{name} ({scene.title.partition(':')[0]})"
@@ -331,7 +291,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     ``step`` is called with each line of progress.
     """
     step("low-order models against the 3D reference")
-    found = references_of_case_studies(cache)
+    found = cache.stored_references(REFERENCED)
     title = "Contact loads by the low-order models and by the 3D reference"
     if not found:
         return Section("reference", title, (Text(("No run of the 3D reference is stored.",)),))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,12 +14,12 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.models.uncertainty import SHARED, largest_uncertainty_near_face
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS, NOT_VARIED, SOURCE_LEVEL, SOURCE_MESH, VARIANTS
-from rollbench.compare.reference.store import Run, load_stored_run
+from rollbench.compare.reference.store import load_stored_run
 from rollbench.compare.results.mesh_study import MeshStudy
 from rollbench.compare.sections import u_val
-from rollbench.compare.sections.reference import modelling_uncertainty_by_scene, references_of_case_studies
+from rollbench.compare.sections.reference import modelling_uncertainty_by_scene
+from rollbench.compare.sections.reference_time import stored_reference_runs
 from rollbench.compare.studies import mesh_study
-from rollbench.lowfi.statics.result import StaticResult
 from rollbench.reports.content import ColumnKey, Figure, Row, Section, Table, Text
 
 References = Mapping[str, Reference]
@@ -50,16 +50,11 @@ def mesh_level_table(cache: SceneResultCache, references: References) -> Table:
     """
     rows: list[Row] = []
     for name, ref in references.items():
-        source = load_stored_run(cache.built_in_scene(name), SOURCE_LEVEL, stores=cache.reference_folders)
-        runs = ([source] if source else []) + list(ref.runs)
+        runs = stored_reference_runs(name, ref, cache)
         for number, run in enumerate(runs):
-            frozen = load_error(run.frozen, run.load, ref.contacts)
             following = runs[number + 1] if number + 1 < len(runs) and run.level != SOURCE_LEVEL else None
             step = None if following is None else load_error(run.load, following.load, ref.contacts)
-            largest, rms = (None, None) if step is None else (step.max_percent, step.rms_percent)
             change = None if following is None else float(error_percent(run.load.sum(), following.load.sum()))
-            best = load_error(run.load, ref.load, ref.contacts)
-            jacobian = min(run.quality[k] for k in ("screw", "nut", "ball"))
             rows.append(
                 {
                     "scene": name,
@@ -68,14 +63,14 @@ def mesh_level_table(cache: SceneResultCache, references: References) -> Table:
                     "fine_flanks": len(run.sides),
                     "unknowns_of_single_mesh": run.unknowns,
                     "memory": "not measured" if run.peak_MB is None else run.peak_MB,
-                    "largest_change_to_next_level": largest,
-                    "rms_change_to_next_level": rms,
+                    "largest_change_to_next_level": None if step is None else step.max_percent,
+                    "rms_change_to_next_level": None if step is None else step.rms_percent,
                     "sum_change_to_next_level": change,
-                    "largest_change_to_finest": best.max_percent,
-                    "change_by_moving_normals": frozen.max_percent,
+                    "largest_change_to_finest": load_error(run.load, ref.load, ref.contacts).max_percent,
+                    "change_by_moving_normals": load_error(run.frozen, run.load, ref.contacts).max_percent,
                     "unbalanced_over_load": max(run.balance, run.screw_balance),
                     "net_force_along_groove": run.along_groove,
-                    "scaled_jacobian": jacobian,
+                    "scaled_jacobian": min(run.quality[k] for k in ("screw", "nut", "ball")),
                     "distance_from_surface": 1e6 * run.quality["deviation"],
                 }
             )
@@ -242,8 +237,6 @@ def modelling_choice_table(cache: SceneResultCache) -> Table | None:
                 continue
             run = load_stored_run(scene, min(LEVELS), e.variant, cache.reference_folders)
             model = None if run is None else load_error(low.load, run.load)
-            largest, rms = (None, None) if model is None else (model.max_percent, model.rms_percent)
-            ratio = e.ratio if np.isfinite(e.ratio) else None
             rows.append(
                 {
                     "scene": name,
@@ -251,9 +244,9 @@ def modelling_choice_table(cache: SceneResultCache) -> Table | None:
                     "varied_choice_after": e.label,
                     "change_kind": KINDS[e.kind],
                     **_load_change_cells(e.error),
-                    "load_ratio_change": ratio,
-                    "lin_error_with_change": largest,
-                    "lin_rms_with_change": rms,
+                    "load_ratio_change": e.ratio if np.isfinite(e.ratio) else None,
+                    "lin_error_with_change": None if model is None else model.max_percent,
+                    "lin_rms_with_change": None if model is None else model.rms_percent,
                 }
             )
     note = (
@@ -304,19 +297,20 @@ def modelling_uncertainty_table(cache: SceneResultCache) -> Table | None:
 
     Choices that were not varied are listed with the reason. Returns None if no run with a changed choice is stored.
     """
-    found = modelling_uncertainty_by_scene(cache)
+    found = cache.compute_once(modelling_uncertainty_by_scene)
     if not found:
         return None
     choices = dict.fromkeys(c for m in found.values() for c in m.choices)
     missing = dict.fromkeys(v.choice for v in VARIANTS.values() if v.kind == "modelling" and v.choice not in choices)
-    together = {
-        "all choices combined, largest over the contacts": {name: m.largest for name, m in found.items()},
-        "all choices combined, RMS over the contacts": {name: m.rms for name, m in found.items()},
-        "all choices combined, ratio of largest to smallest load, SL": {name: m.ratio for name, m in found.items()},
-    }
-    values = {c: {name: m.choices[c] for name, m in found.items() if c in m.choices} for c in choices} | together
+    values = {c: {name: m.choices.get(c) for name, m in found.items()} for c in choices}
+    for words, total in (
+        ("largest over the contacts", "largest"),
+        ("RMS over the contacts", "rms"),
+        ("ratio of largest to smallest load, SL", "ratio"),
+    ):
+        values[f"all choices combined, {words}"] = {name: getattr(m, total) for name, m in found.items()}
     rows: list[Row] = [
-        {"modelling_choice": choice, **{("change_of_scene", name): of_scenes.get(name) for name in found}}
+        {"modelling_choice": choice, **{("change_of_scene", name): value for name, value in of_scenes.items()}}
         for choice, of_scenes in values.items()
     ]
     reasons = dict.fromkeys(missing, "no run with this variation is stored") | {n.choice: n.reason for n in NOT_VARIED}
@@ -344,24 +338,17 @@ INGREDIENTS = {
 }
 
 
-def _scenes_with_effects_left_out(cache: SceneResultCache) -> Iterator[tuple[str, Run, StaticResult]]:
-    """Yield the case studies with stored 3D runs that leave out one effect at a time, such as the nut's elasticity.
-
-    For each, the name of the scene, its run on the coarsest mesh level, and the solution by Lin's model are yielded.
-    """
-    for name in references_of_case_studies(cache):
-        run = load_stored_run(cache.built_in_scene(name), min(LEVELS), stores=cache.reference_folders)
-        if run is not None and run.without:
-            yield name, run, cache.solve_once(name, "lin")
-
-
-def left_out_effects_table(cache: SceneResultCache) -> Table | None:
+def left_out_effects_table(cache: SceneResultCache, references: References) -> Table | None:
     """Return the table of changes of contact loads if one effect is left out of the 3D model.
 
-    Returns None if no such run is stored.
+    ``references``: 3D reference of each scene, by name of the scene. Returns None if no such run is stored.
     """
     rows: list[Row] = []
-    for name, run, low in _scenes_with_effects_left_out(cache):
+    for name in references:
+        run = load_stored_run(cache.built_in_scene(name), min(LEVELS), stores=cache.reference_folders)
+        if run is None or not run.without:
+            continue
+        low = cache.solve_once(name, "lin")
         full = load_error(low.load, run.load).max_percent
         for ingredient, loads in run.without.items():
             e, model = load_error(loads, run.load), load_error(low.load, loads)
@@ -380,14 +367,16 @@ def left_out_effects_table(cache: SceneResultCache) -> Table | None:
     return Table.from_rows("reference-ablation", title, rows, note) if rows else None
 
 
-def rigid_nut_paragraph(cache: SceneResultCache) -> str:
-    """Return the paragraph on the error of Lin's model, which has a rigid nut, against a 3D reference with a rigid nut."""
-    parts = []
-    for name, run, low in _scenes_with_effects_left_out(cache):
-        if "elastic nut" not in run.without:
-            continue
-        before, after = load_error(low.load, run.load), load_error(low.load, run.without["elastic nut"])
-        parts.append(f"{name} from {before.max_percent:.2f} % to {after.max_percent:.2f} %")
+def rigid_nut_paragraph(effects: Table) -> str:
+    """Return the paragraph on the error of Lin's model, which has a rigid nut, against a 3D reference with a rigid nut.
+
+    ``effects``: `left_out_effects_table`.
+    """
+    parts = [
+        f"{row['scene']} from {row['lin_error_full_reference']:.2f} % to {row['lin_error_reduced_reference']:.2f} %"
+        for row in effects.rows
+        if row["effect_left_out"] == "elastic nut"
+    ]
     if not parts:
         return ""
     return (
@@ -417,7 +406,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     ``step`` is called with each line of progress.
     """
     step("mesh levels, mesh study, modelling choices, left-out effects")
-    found, everything = references_of_case_studies(cache), cache.stored_references((*REFERENCED, *UNSEEN))
+    found, everything = cache.stored_references(REFERENCED), cache.stored_references((*REFERENCED, *UNSEEN))
     text = [
         (
             "From level to level all cells are refined, those of the contacts by a third; the boxes for the fine "
@@ -436,8 +425,9 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     if found:
         items += mesh_study_tables_and_figures(cache, found)
     items += [refined_mesh_setting_table(cache), modelling_uncertainty_table(cache), modelling_choice_table(cache)]
-    cause, ablation = rigid_nut_paragraph(cache), left_out_effects_table(cache)
-    items += [Text((cause,)) if cause and ablation else None, ablation]
+    ablation = left_out_effects_table(cache, found)
+    cause = "" if ablation is None else rigid_nut_paragraph(ablation)
+    items += [Text((cause,)) if cause else None, ablation]
     shown = tuple(item for item in items if item is not None)
     title = "Uncertainty of the contact loads of the 3D reference"
     return Section("reference-mesh", title, shown, conclusion=mesh_uncertainty_sentence(everything))

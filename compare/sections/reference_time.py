@@ -22,22 +22,7 @@ from rollbench.compare.printed import printed_entry
 from rollbench.compare.reference import store
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.levels import SOURCE_LEVEL
-from rollbench.compare.studies.run_times import (
-    COMMANDS,
-    NEW,
-    ColdLevelTime,
-    Measured,
-    RunTime,
-    SetUpCosts,
-    StoredRunTimes,
-    Timed,
-    load_run_times,
-    load_set_up_costs,
-    measure_and_store,
-    time_command_in_empty_home,
-    time_mesh_level_in_new_process,
-    time_model_in_new_process,
-)
+from rollbench.compare.studies import run_times as timing
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
@@ -60,26 +45,8 @@ WORK = {
 }
 #: Scenes with many contacts on which mesh level 1 is timed, for its memory.
 LARGE = ("unseen-40x10", "unseen-25x5")
-#: Groups of scenes that have a figure of error against run time, by the ending of the figure's name.
-GROUPS = {
-    "": "case studies without preload",
-    "-preload": "case studies with preload",
-    "-unseen": "screws not used in development",
-}
 #: Largest number of panels in one figure.
 PANELS = 6
-
-
-@dataclass(frozen=True)
-class LargestErrorWithRange:
-    """Largest contact-load error against the 3D reference, with its range due to the mesh uncertainty of this reference."""
-
-    #: Largest error of a contact load [% of the mean load, or of the load by which `rollbench check` divides it].
-    error: float
-    #: Lower end of the range of ``error`` due to the mesh uncertainty of the 3D reference [%].
-    low: float
-    #: Upper end of the range of ``error`` due to the mesh uncertainty of the 3D reference [%].
-    high: float
 
 
 @dataclass(frozen=True)
@@ -94,12 +61,10 @@ class ErrorAndRunTime:
     error: float
     #: RMS error of the contact loads [% of the mean load].
     rms: float
-    #: Lower end of the range of ``error`` due to the mesh uncertainty of the reference [% of the mean load]; None if
-    #: the reference has a single mesh level.
-    low: float | None
-    #: Upper end of the range of ``error`` due to the mesh uncertainty of the reference [% of the mean load]; None if
-    #: the reference has a single mesh level.
-    high: float | None
+    #: Lower end of the range of ``error`` due to the mesh uncertainty of the reference [% of the mean load].
+    low: float
+    #: Upper end of the range of ``error`` due to the mesh uncertainty of the reference [% of the mean load].
+    high: float
     #: Time of a solution in a new process with empty caches (cold start) [s]; None: not measured.
     cold: float | None
     #: Time of a further solution of the same geometry in this process [s]; None: not measured.
@@ -110,14 +75,16 @@ class ErrorAndRunTime:
     memory: float | None
     #: Short name of the model or mesh level, for figures.
     name: str
-    #: Largest contact-load error as ``rollbench check`` judges it, in per cent of the contact's load (for nearly unloaded
-    #: contacts, of the mean load).
-    gate: LargestErrorWithRange
+    #: Largest contact-load error as ``rollbench check`` judges it [% of the contact's load; for nearly unloaded contacts,
+    #: of the mean load].
+    gate_error: float
+    #: Upper end of the range of ``gate_error`` due to the mesh uncertainty of the reference [%].
+    gate_high: float
     #: Status of the solver, such as "converged".
     status: str = "converged"
 
 
-def largest_error_with_range(loads: Array, reference: Reference, scale: Array) -> LargestErrorWithRange:
+def largest_error_with_range(loads: Array, reference: Reference, scale: Array) -> tuple[float, float, float]:
     """Return the largest error of contact loads against the 3D reference, and its range due to the mesh uncertainty.
 
     If e is the error and U the uncertainty of a contact, the true largest error lies between max(|e| - U) and max(|e| + U)
@@ -134,12 +101,12 @@ def largest_error_with_range(loads: Array, reference: Reference, scale: Array) -
 
     Returns
     -------
-    LargestErrorWithRange
-        Largest error and the ends of its range [%].
+    tuple of float
+        Largest error, and lower and upper end of its range [%].
     """
     off = np.abs(error_percent(loads, reference.load, scale))
     bar = np.abs(error_percent(reference.uncertainty, 0.0, scale))
-    return LargestErrorWithRange(float(off.max()), max(0.0, float((off - bar).max())), float((off + bar).max()))
+    return float(off.max()), max(0.0, float((off - bar).max())), float((off + bar).max())
 
 
 def errors_against_reference(loads: Array, reference: Reference) -> dict[str, Any]:
@@ -148,12 +115,13 @@ def errors_against_reference(loads: Array, reference: Reference) -> dict[str, An
     ``loads``: contact loads of n balls on the four groove flanks, (n, 4) [N]. ``reference``: the 3D reference. The values
     of the dictionary are the largest and the RMS error with the range of the largest one [% of the mean load] (error, rms,
     low, high), and the largest error [% of the contact's load; for nearly unloaded contacts, of the mean load], which
-    ``rollbench check`` judges (gate).
+    ``rollbench check`` judges, with the upper end of its range (gate_error, gate_high).
     """
     e = load_error(loads, reference.load, reference.contacts)
-    of_mean = largest_error_with_range(loads, reference, np.full(loads.shape, reference.mean))
+    _, low, high = largest_error_with_range(loads, reference, np.full(loads.shape, reference.mean))
     gate = largest_error_with_range(loads, reference, load_scale_of_check_errors(reference.load, reference.mean))
-    return {"error": e.max_percent, "rms": e.rms_percent, "low": of_mean.low, "high": of_mean.high, "gate": gate}
+    of_mean = {"error": e.max_percent, "rms": e.rms_percent, "low": low, "high": high}
+    return of_mean | {"gate_error": gate[0], "gate_high": gate[2]}
 
 
 def further_solution_seconds(model: Model, scene: Scene, options: ModelOptions) -> float:
@@ -169,14 +137,16 @@ def further_solution_seconds(model: Model, scene: Scene, options: ModelOptions) 
     return float(np.median(spent[1:]))
 
 
-def model_time_jobs(cache: SceneResultCache, scene_names: Sequence[str]) -> dict[Timed, Callable[[], Measured]]:
+def model_time_jobs(
+    cache: SceneResultCache, scene_names: Sequence[str]
+) -> dict[timing.Timed, Callable[[], timing.Measured]]:
     """Return functions that time all models on scenes, in a new (cold) and in a running process (warm), by what they time.
 
     ``cache``: source of scenes and 3D references; ``scene_names``: names of the scenes.
     """
 
-    def time_model(name: str, model: Model, bodies: Path | None) -> RunTime:
-        cold = time_model_in_new_process(name, model.name, bodies)
+    def time_model(name: str, model: Model, bodies: Path | None) -> timing.RunTime:
+        cold = timing.time_model_in_new_process(name, model.name, bodies)
         options = ModelOptions(estimate_beam_mesh_error=False, condensed_bodies_file=bodies)
         return replace(cold, warm=further_solution_seconds(model, cache.built_in_scene(name), options))
 
@@ -187,36 +157,38 @@ def model_time_jobs(cache: SceneResultCache, scene_names: Sequence[str]) -> dict
     }
 
 
-def level_time_jobs(cache: SceneResultCache, scene_names: Sequence[str]) -> dict[Timed, Callable[[], Measured]]:
+def level_time_jobs(
+    cache: SceneResultCache, scene_names: Sequence[str]
+) -> dict[timing.Timed, Callable[[], timing.Measured]]:
     """Return functions that time all stored mesh levels of scenes in new processes, by scene and mesh level.
 
     ``cache``: source of scenes and 3D references; ``scene_names``: names of the scenes.
     """
     return {
-        (name, run.level): partial(time_mesh_level_in_new_process, name, run.level)
+        (name, run.level): partial(timing.time_mesh_level_in_new_process, name, run.level)
         for name, found in cache.stored_references(scene_names).items()
         for run in stored_reference_runs(name, found, cache)
     }
 
 
-def command_time_jobs() -> dict[Timed, Callable[[], Measured]]:
+def command_time_jobs() -> dict[timing.Timed, Callable[[], timing.Measured]]:
     """Return functions that time the commands in `COMMANDS`, each with an empty home directory and without caches."""
-    return {(command,): partial(time_command_in_empty_home, command) for command in COMMANDS}
+    return {(command,): partial(timing.time_command_in_empty_home, command) for command in timing.COMMANDS}
 
 
-def time_jobs(cache: SceneResultCache) -> dict[Timed, Callable[[], Measured]]:
+def time_jobs(cache: SceneResultCache) -> dict[timing.Timed, Callable[[], timing.Measured]]:
     """Return functions that time all models on all compared scenes, mesh level 1 of `LARGE`, and what cases bring.
 
     ``cache``: source of scenes and 3D references. The key of a function is what it times.
     """
     jobs = model_time_jobs(cache, list(references_of_compared_scenes(cache)))
-    jobs |= {(name, 1): partial(time_mesh_level_in_new_process, name, 1) for name in LARGE}
+    jobs |= {(name, 1): partial(timing.time_mesh_level_in_new_process, name, 1) for name in LARGE}
     for case in all_cases():
         jobs |= case.import_object(case.time_jobs)(cache) if case.time_jobs else {}
     return jobs
 
 
-def run_times_to_show(cache: SceneResultCache, step: Step) -> StoredRunTimes | None:
+def run_times_to_show(cache: SceneResultCache, step: Step) -> timing.StoredRunTimes | None:
     """Return the run times that a report shows: stored run times or, if ``cache`` asks for it, newly measured run times.
 
     New run times, but those of commands, are measured in about an hour and stored in the first folder of stored runs.
@@ -224,8 +196,8 @@ def run_times_to_show(cache: SceneResultCache, step: Step) -> StoredRunTimes | N
     """
     folders = cache.reference_folders or ()
     if not cache.measures_run_times:
-        return load_run_times((*folders, store.shipped_store()))
-    return measure_and_store(folders[0] if folders else None, store.measuring_conditions(), time_jobs(cache), step)
+        return timing.load_run_times((*folders, store.shipped_store()))
+    return timing.measure_and_store(folders[0] if folders else None, store.measuring_conditions(), time_jobs(cache), step)
 
 
 def references_of_compared_scenes(cache: SceneResultCache) -> dict[str, Reference]:
@@ -281,9 +253,7 @@ def error_and_time_points(
         known = None if kept is None else kept.times_by_scene_and_model.get((scene_name, model.name))
         result = _solve_scene(scene_name, model, cache, bodies)
         errors = errors_against_reference(result.load, scene_reference)
-        costs: dict[str, Any] = dict.fromkeys(("cold", "warm", "memory"))
-        if known is not None:
-            costs = {"cold": known.cold, "warm": known.warm, "memory": known.memory}
+        costs: dict[str, Any] = {name: getattr(known, name, None) for name in ("cold", "warm", "memory")}
         costs |= {"unknowns": result.solver.unknowns, "status": result.status}
         out.append(ErrorAndRunTime(model.label, "model", **errors, **costs, name=model.name))
     for run in stored_reference_runs(scene_name, scene_reference, cache):
@@ -356,7 +326,7 @@ def error_and_time_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]
     return Table.from_rows("reference-time", title, rows, note)
 
 
-def command_time_table(run_times: StoredRunTimes) -> Table:
+def command_time_table(run_times: timing.StoredRunTimes) -> Table:
     """Return the table of run times of commands that start with an empty home directory, that is without caches.
 
     ``run_times``: measured run times.
@@ -377,7 +347,7 @@ def command_time_table(run_times: StoredRunTimes) -> Table:
     ]
     note = (
         f"Each command is run as typed, without a set number of threads, in a home directory without any cache; rollbench "
-        f"{NEW} wrote my.toml. The second run finds stored body compliances, so its time is the least "
+        f"{timing.NEW} wrote my.toml. The second run finds stored body compliances, so its time is the least "
         "that caches can achieve. CPU time is the sum over all processes of the command; it depends less on other work on "
         f"the machine. {run_times}"
     )
@@ -385,7 +355,7 @@ def command_time_table(run_times: StoredRunTimes) -> Table:
     return Table.from_rows("reference-typed", title, rows, note)
 
 
-def cold_start_time_table_of_mesh_levels(run_times: StoredRunTimes) -> Table:
+def cold_start_time_table_of_mesh_levels(run_times: timing.StoredRunTimes) -> Table:
     """Return the table of run times of each mesh level of the 3D reference from a cold start, without stored meshes.
 
     ``run_times``: measured run times.
@@ -413,7 +383,7 @@ def cold_start_time_table_of_mesh_levels(run_times: StoredRunTimes) -> Table:
     return Table.from_rows("reference-levels-cold", title, rows, note)
 
 
-def set_up_time_tables(costs: SetUpCosts) -> list[Table]:
+def set_up_time_tables(costs: timing.SetUpCosts) -> list[Table]:
     """Return tables on the set-up of the 3D reference: processor time of each stage, and rejected faster variants.
 
     ``costs``: measured processor times and, for each faster variant, the saved time and the change of contact loads.
@@ -458,7 +428,7 @@ def set_up_time_tables(costs: SetUpCosts) -> list[Table]:
     ]
 
 
-def _longest_stages_text(level: ColdLevelTime) -> str:
+def _longest_stages_text(level: timing.ColdLevelTime) -> str:
     """Return as text the longest stages (`DEAREST` in number) in the set-up of a 3D mesh level, each with its time [s]."""
     if level.stages is None:
         return "not measured"
@@ -502,12 +472,9 @@ def error_over_time_panel(scene_name: str, scene_points: Sequence[ErrorAndRunTim
     """
 
     def series(label: str, points: Sequence[ErrorAndRunTime], style: str, *, emphasis: bool = False) -> Series:
-        low = [max(p.low, FLOOR) for p in points if p.low is not None]
-        high = [max(p.high, FLOOR) for p in points if p.high is not None]
-        bars = (low, high) if len(low) == len(high) == len(points) else None
-        errors = [max(p.error, FLOOR) for p in points]
+        errors, low, high = ([max(getattr(p, end), FLOOR) for p in points] for end in ("error", "low", "high"))
         times = [p.cold for p in points if p.cold is not None]
-        return Series(label, times, errors, style, bold=emphasis, error_bars=bars)
+        return Series(label, times, errors, style, bold=emphasis, error_bars=(low, high))
 
     good = [p for p in scene_points if p.status == "converged" and p.cold is not None]
     drawn = [series(p.label, [p], "markers") for kind in ("model", "source mesh") for p in good if p.kind == kind]
@@ -528,20 +495,21 @@ def error_over_time_figures(points_by_scene: Mapping[str, Sequence[ErrorAndRunTi
         "Errors against the finest mesh level of the 3D reference; bars: range due to its mesh uncertainty. Errors below "
         f"{FLOOR:g} % are drawn at this value. Cold start: a new process with empty caches."
     )
-    plain = [n for n in REFERENCED if n in points_by_scene and any(p.name == "mei" for p in points_by_scene[n])]
-    groups = {
-        "": plain,
-        "-preload": [n for n in REFERENCED if n in points_by_scene and n not in plain],
-        "-unseen": [n for n in UNSEEN if n in points_by_scene][:PANELS],
-    }
+    cases, unseen = ([n for n in names if n in points_by_scene] for names in (REFERENCED, UNSEEN))
+    plain = [n for n in cases if any(p.name == "mei" for p in points_by_scene[n])]
+    groups = (
+        ("", "case studies without preload", plain),
+        ("-preload", "case studies with preload", [n for n in cases if n not in plain]),
+        ("-unseen", "screws not used in development", unseen[:PANELS]),
+    )
     return [
         Figure(
             f"reference-time{tail}",
-            f"Largest contact-load error of each model and 3D mesh level against cold-start run time: {GROUPS[tail]}",
+            f"Largest contact-load error of each model and 3D mesh level against cold-start run time: {words}",
             tuple(error_over_time_panel(n, points_by_scene[n]) for n in names),
             caption,
         )
-        for tail, names in groups.items()
+        for tail, words, names in groups
         if names
     ]
 
@@ -573,7 +541,7 @@ def run_time_items(cache: SceneResultCache, step: Step) -> list[Table | Figure]:
     points, kept = cache.compute_once(errors_and_times_of_all_scenes, step), cache.compute_once(run_times_to_show, step)
     items: list[Table | Figure] = [error_and_time_table(points, run_time_conditions_sentence(cache, step))]
     if not cache.quick:
-        costs = load_set_up_costs((*(cache.reference_folders or ()), store.shipped_store()))
+        costs = timing.load_set_up_costs((*(cache.reference_folders or ()), store.shipped_store()))
         items += [] if kept is None else [cold_start_time_table_of_mesh_levels(kept), command_time_table(kept)]
         items += [] if costs is None else set_up_time_tables(costs)
     return items if kept is None else [*items, run_time_ratio_table(points), *error_over_time_figures(points)]

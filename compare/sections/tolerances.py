@@ -48,19 +48,9 @@ def sweep_command(sweep_summary: Mapping[str, Any]) -> str:
     return f"rollbench sweep {sweep_summary['scene'].removesuffix('.toml')}{vary}{options}"
 
 
-def short_tolerance_name(tolerance: VariedKey) -> str:
-    """Return the short name of a varied tolerance, such as "ball grade"."""
-    return tolerance_description(tolerance).partition(":")[0]
-
-
 def tolerance_description(tolerance: VariedKey) -> str:
     """Return the description of a varied tolerance, such as "misalignment: offset of the right end"."""
     return next((text for start, text in WORDS.items() if tolerance.key.startswith(start)), tolerance.short_name)
-
-
-def _capitalised_tolerance_name(row: Row) -> str:
-    """Return the tolerance's short name, such as "Ball grade", from a row of `tolerance_effect_rows`."""
-    return str(row["tolerance"]).partition(":")[0].capitalize()
 
 
 def tolerance_effect_rows(tolerances: Sequence[VariedKey], sweep_summary: Mapping[str, Any]) -> list[Row]:
@@ -104,11 +94,12 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     load = found["outputs"][MAIN]
     luck = next(row for row in rows if row["tolerance_range"] == "any")
     first, second = [row for row in rows if row is not luck][:2]
+    largest, then = (str(row["tolerance"]).partition(":")[0].capitalize() for row in (first, second))
     conclusion = (
         f"On {found['converged']} screws with random errors within tolerances, the largest contact load is "
         f"{load['mean']:.0f} N on average and exceeds {load['quantile_0.95']:.0f} N on one screw in twenty. "
-        f"{_capitalised_tolerance_name(first)} has the largest effect (total Sobol index {first['sobol_total']:.2f}), "
-        f"then {_capitalised_tolerance_name(second).lower()} ({second['sobol_total']:.2f}); chance, the random errors "
+        f"{largest} has the largest effect (total Sobol index {first['sobol_total']:.2f}), "
+        f"then {then.lower()} ({second['sobol_total']:.2f}); chance, the random errors "
         f"within the same tolerances, has an index of {luck['sobol_total']:.2f}."
     )
     text = (
@@ -121,8 +112,10 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         f"Computed by: {sweep_command(found)}.",
     )
     table = Table.from_rows("tolerances", "Effect of each tolerance on the largest contact load", rows)
-    figures = figures_from_sweep_summary(
-        "tolerances", keys, found["main_effects"], found["worst"], found["indices"], short_tolerance_name
-    )
+
+    def short(tolerance: VariedKey) -> str:
+        return tolerance_description(tolerance).partition(":")[0]
+
+    figures = figures_from_sweep_summary("tolerances", keys, found["main_effects"], found["worst"], found["indices"], short)
     title = "Effect of each tolerance on the largest contact load in Lin's case 3"
     return Section("tolerances", title, (Text(text), table, *figures), conclusion=conclusion)

@@ -37,7 +37,7 @@ from rollbench.compare.reference import estimate
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION
 from rollbench.compare.reference.store import load_stored_run, shipped_store
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.sections.fit import validated_range_table_and_figure
+from rollbench.compare.sections.fit import validated_range_figure, validated_range_table
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
@@ -469,7 +469,8 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         scatters,
         bias_and_scatter_figure(scatters),
         error_bound_coverage_table(cache, rungs),
-        *validated_range_table_and_figure(cache),
+        validated_range_table(),
+        validated_range_figure(),
     )
     stated = [
         f"{row['bias']:+.1f} % (standard deviation {row['scatter']:.1f} %) with {SPOKEN.get(name, f'the {name} model')}"

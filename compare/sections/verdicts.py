@@ -29,12 +29,7 @@ FAULTS = "Computed with the publication's mistake repeated: empty where no mista
 
 
 def printed_numbers_table(
-    name: str,
-    title: str,
-    entries: Sequence[compare_evidence.PrintedEntryComparison],
-    note: str = "",
-    *,
-    with_place: bool = False,
+    name: str, title: str, entries: Sequence[compare_evidence.PrintedEntryComparison], *, with_place: bool = False
 ) -> Table:
     """Return the table of printed numbers and claims, each with computed values, error, class, verdict and remark.
 
@@ -48,8 +43,6 @@ def printed_numbers_table(
         Title of the table.
     entries
         Printed and computed values.
-    note
-        Note below the table.
     with_place
         Whether all numbers are listed, with a column for their place in the publication. If not, inputs, which test no
         model, are left out, and the place is added to the label only where it differs from that of most numbers.
@@ -70,10 +63,10 @@ def printed_numbers_table(
     }
     rows = [{key: cell for key, cell in row.items() if wanted.get(key, True)} for row in rows]
     common = _replace_remarks_by_numbers(rows)
-    notes = [note, FAULTS if faulty else ""]
+    notes = [FAULTS] if faulty else []
     notes += [f"The {given} inputs are listed in the table printed."] if given else []
     notes += [f"Remark {i}: {text}" for i, text in enumerate(common, 1)]
-    return Table.from_rows(name, title, rows, " ".join(sentence for sentence in notes if sentence))
+    return Table.from_rows(name, title, rows, " ".join(notes))
 
 
 def _row_of_printed_number(evidence: compare_evidence.PrintedEntryComparison, usual_place: str, with_place: bool) -> Row:
@@ -121,9 +114,9 @@ def _replace_remarks_by_numbers(rows: Sequence[Row]) -> list[str]:
     """
     count = Counter(str(row["remark"]) for row in rows)
     common = [text for text, times in count.items() if text and times > SHARED]
+    number = {text: f"remark {k}" for k, text in enumerate(common, 1)}
     for row in rows:
-        if row["remark"] in common:
-            row["remark"] = f"remark {common.index(str(row['remark'])) + 1}"
+        row["remark"] = number.get(str(row["remark"]), row["remark"])
     return common
 
 
@@ -220,15 +213,10 @@ def misprints_table(case_name: str = "") -> Table:
 
     ``case_name``: short name of the publication, such as "lin"; empty: all publications.
     """
+    columns = {"place": "place", "misprint": "wrong", "correction": "right", "misprint_shown_by": "evidence"}
+    columns |= {"command_to_show": "command", "misprint_test": "test"}
     rows = [
-        ({} if case_name else {"publication": row["source"]})
-        | {
-            "place": row["place"],
-            "misprint": row["wrong"],
-            "correction": row["right"],
-            "misprint_shown_by": row["evidence"],
-        }
-        | {"command_to_show": row["command"], "misprint_test": row["test"]}
+        ({} if case_name else {"publication": row["source"]}) | {c: row[key] for c, key in columns.items()}
         for row in compare_evidence.misprint_rows()
         if row["source"] == case_name or not case_name
     ]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from rollbench.compare.measure import error_percent, load_error, mean_load
 from rollbench.compare.models.study import SceneResultCache
@@ -146,33 +145,21 @@ def _lin_mesh_error_sentence(computation: HertzComputation) -> str:
     )
 
 
-def mesh_cells_of_row(computation: HertzComputation) -> Row:
-    """Return the first cells of a table row on a Hertz contact: its name, mesh, cells across the short semi-axis (b/h).
-
-    ``computation``: computation of one Hertz contact on one mesh.
-    """
-    return {
-        "contact_a_or_b": computation.computed.contact_name,
-        "element_type": computation.mesh_label,
-        "cells_across_b": computation.computed.b_over_h,
-    }
-
-
 def hertz_error_row(computation: HertzComputation) -> Row:
     """Return the row of the error table for one computed Hertz contact: mesh, unknowns and errors [%].
 
     ``computation``: the computed contact with its errors.
     """
-    run, off = computation.computed, computation.error_percents
-    return (
-        mesh_cells_of_row(computation)
-        | {
-            "unknowns": run.free_degree_of_freedom_count,
-            "contact_nodes": run.contact_node_count,
-            "iterations": run.newton_iteration_count,
-        }
-        | {("error_of", ERROR_NAMES.get(name, name)): off[name] for name in ERRORS}
-    )
+    run = computation.computed
+    return {
+        "contact_a_or_b": run.contact_name,
+        "element_type": computation.mesh_label,
+        "cells_across_b": run.b_over_h,
+        "unknowns": run.free_degree_of_freedom_count,
+        "contact_nodes": run.contact_node_count,
+        "iterations": run.newton_iteration_count,
+        **{("error_of", ERROR_NAMES.get(name, name)): computation.error_percents[name] for name in ERRORS},
+    }
 
 
 def rows_of_computed_and_hertz_values(computations: Sequence[HertzComputation]) -> list[Row]:
@@ -309,12 +296,7 @@ def calculix_run_table(calculix_runs: results.CalculixRunsOfScene) -> Table:
     rows: list[Row] = []
     base = {(results.mesh_options_of_run(r), r.stiffness): r for r in calculix_runs.runs if not r.nlgeom}
     for run in calculix_runs.runs:
-        mean = mean_load(run.load)
-        twin = base.get((results.mesh_options_of_run(run), run.stiffness))
-        loose = float(error_percent(run.unbalanced, 0.0, mean))
-        change = load_error(run.load, twin.load).max_percent if run.nlgeom and twin else None
-        meshed = "half" if run.half else "equal balls" if run.alike else "whole"
-        weak = float(error_percent(run.weak, 0.0, mean))
+        mean, twin = mean_load(run.load), base.get((results.mesh_options_of_run(run), run.stiffness))
         rows.append(
             {
                 "elements_across_b": run.b_over_h,
@@ -322,15 +304,17 @@ def calculix_run_table(calculix_runs: results.CalculixRunsOfScene) -> Table:
                 "element_growth": run.growth,
                 "contact_stiffness": 1e-9 * run.stiffness,
                 "large_displacements": "large" if run.nlgeom else "small",
-                "half_or_whole": meshed,
+                "half_or_whole": "half" if run.half else "equal balls" if run.alike else "whole",
                 "nodes": run.nodes,
                 "tetrahedra": sum(m.cells for m in run.meshes),
                 "scaled_jacobian": min(m.smallest for m in run.meshes),
                 "iterations": run.iterations,
                 "load_sum": float(run.load.sum()),
-                "weak_spring_force": weak,
-                "unbalanced_force": loose,
-                "change_by_large_displacements": change,
+                "weak_spring_force": float(error_percent(run.weak, 0.0, mean)),
+                "unbalanced_force": float(error_percent(run.unbalanced, 0.0, mean)),
+                "change_by_large_displacements": (
+                    load_error(run.load, twin.load).max_percent if run.nlgeom and twin else None
+                ),
             }
         )
     first = calculix_runs.runs[0]
@@ -382,13 +366,12 @@ def calculix_contact_tables(
     ]
 
 
-def crosscheck_section(cache: SceneResultCache, step: Callable[[str], None], folder: Path | None = None) -> Section:
+def crosscheck_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the section that compares contact loads of two scenes by the 3D reference and by the program CalculiX.
 
-    ``step`` is called with each line of progress. ``folder``: folder with the stored results of CalculiX; None: the results
-    shipped with rollbench.
+    ``step`` is called with each line of progress.
     """
-    stored = folder or results.shipped_calculix_results_folder()
+    stored = results.shipped_calculix_results_folder()
     items: list[Text | Table] = [Text((ABOUT, EXTRAPOLATED))]
     for name in STUDIES:
         step(f"{name}: the 3D reference and CalculiX")

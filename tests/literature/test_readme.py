@@ -70,8 +70,9 @@ def test_shown_output_is_what_is_printed(tmp_path: Path, monkeypatch, command) -
 def test_report_s_tables_are_what_the_models_give_now() -> None:
     from rollbench.compare.cases.lin.evidence.chapter_2 import solve_case_1_by_model_choice
     from rollbench.compare.cases.lin.pages.chapter_2 import model_choice_rows
+    from rollbench.compare.models.comparison import REFERENCED
     from rollbench.compare.models.study import SceneResultCache
-    from rollbench.compare.sections.reference import load_error_table, references_of_case_studies
+    from rollbench.compare.sections.reference import load_error_table
     from rollbench.reports.content import Table
 
     study = SceneResultCache()
@@ -79,7 +80,7 @@ def test_report_s_tables_are_what_the_models_give_now() -> None:
     for row, old in zip(computed.rows, stored("cases-choices"), strict=True):
         before = float(old["largest contact load [N]"])
         assert abs(float(row["largest_load"]) - before) < 1e-6 * before
-    table = load_error_table(study, references_of_case_studies(study))
+    table = load_error_table(study, study.stored_references(REFERENCED))
     for row, old in zip(table.rows, stored("reference-errors"), strict=True):
         assert (row["scene"], row["model"]) == (old["scene"], old["model"])
         if row["largest_load_error"] is not None:

@@ -36,7 +36,7 @@ def quick(monkeypatch):
     monkeypatch.setattr(reference_time, "LARGE", ())
     monkeypatch.setattr(reference_time, "all_cases", tuple)
     monkeypatch.setattr(reference_time, "models_with_body_files", lambda *_: [(MODELS["mei"], None)])
-    monkeypatch.setattr(reference_time, "COMMANDS", ("schema --help",))
+    monkeypatch.setattr(reference_time.timing, "COMMANDS", ("schema --help",))
     monkeypatch.setattr(survey_models, "COUNT", 0)
     monkeypatch.setattr(survey_models.time_models_and_levels_on_screws, "__defaults__", (0,))
     monkeypatch.setattr(run_times, "time_ensemble", lambda: run_times.RunTimeRow("members", 1.0))

@@ -77,7 +77,7 @@ def test_names_are_shown_as_they_are_in_markdown(name: str) -> None:
     assert found is None, found
 
 
-def test_files_of_verdicts(tmp_path) -> None:
+def test_files_of_verdicts(monkeypatch, tmp_path) -> None:
     green = replace(row("pass", 8.5), judged="a|b", uncertainty=1.0)
     rows = [green, replace(green, judgement=Judgement.FAIL, detail="=1+1 <b>")]
     suite = ElementTree.fromstring(publish.junit_xml(rows))
@@ -95,7 +95,7 @@ def test_files_of_verdicts(tmp_path) -> None:
     summary, other = tmp_path / "summary.md", tmp_path / "b.csv"
     summary.write_text("before\n", encoding="utf-8")
     files = {"markdown_file": tmp_path / "a.md", "junit_file": tmp_path / "a.xml", "csv_file": tmp_path / "a.csv"}
-    environment = {"GITHUB_STEP_SUMMARY": str(summary)}
-    assert set(publish.write_verdicts(rows, **files, environment=environment)) == {*files.values(), summary}
+    monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(summary))
+    assert set(publish.write_verdicts(rows, **files)) == {*files.values(), summary}
     assert summary.read_text(encoding="utf-8") == "before\n" + text
-    assert publish.write_verdicts(rows, csv_file=other, environment=environment) == [other]
+    assert publish.write_verdicts(rows, csv_file=other) == [other]

@@ -8,7 +8,7 @@ import pytest
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate import judged as judging
 from rollbench.compare.gate.judged import UserValue, read_user_values
-from rollbench.compare.gate.user import check_scenes, gate_request
+from rollbench.compare.gate.user import GateRequest, check_scenes
 from rollbench.compare.gate.verdict import LARGEST, VerdictRow, quantities_without_verdict
 from rollbench.compare.models import friction_sums, loading, uncertainty
 from rollbench.compare.models.comparison import stored_references
@@ -34,7 +34,7 @@ def table(path, heads: str, cells):
 
 
 def judged(**what: object) -> list[VerdictRow]:
-    return check_scenes([GIVEN], gate_request(compute=False, **what), jobs.ComputingSettings(), lambda _: None)
+    return check_scenes([GIVEN], GateRequest(compute=False, **what), jobs.ComputingSettings(), lambda _: None)
 
 
 def test_each_quantity_of_contacts_is_judged_by_the_contact_that_decides(tmp_path) -> None:

@@ -10,7 +10,7 @@ from tests.slow import all_slow_but
 
 from rollbench.compare.errors import InputError, SceneNotCoveredError
 from rollbench.compare.gate import user
-from rollbench.compare.gate.user import GateRequest, check_scenes, gate_request, limits_for_scene
+from rollbench.compare.gate.user import GateRequest, check_scenes, limits_for_scene
 from rollbench.compare.models import loads_file
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import run_model
@@ -40,7 +40,7 @@ def test_loads_of_another_program(command, tmp_path, factor: float, code: int, w
 
 @pytest.mark.parametrize("name", all_slow_but(["two-balls"], ["two-balls", "double-nut"]))
 def test_a_renamed_copy_has_the_stored_reference(name: str) -> None:
-    scene, what = catalogue.scene_of_any_kind(name), gate_request(model="lin", compute=False)
+    scene, what = catalogue.scene_of_any_kind(name), GateRequest(model="lin", compute=False)
     same, copy = check([scene], what), check([replace(scene, name="my copy")], what)
     assert copy == [replace(verdict, scene="my copy") for verdict in same]
     assert all(v.error is not None for v in copy)
@@ -52,7 +52,7 @@ def test_a_scene_may_set_its_own_limits() -> None:
     assert scene == TWO, "limits are no part of what is solved and stored"
     assert limits_for_scene(scene, 9.0).largest_load_error == 9.0
     assert limits_for_scene(TWO, None).largest_load_error == 7.0
-    verdicts = check([scene], gate_request(compute=False))
+    verdicts = check([scene], GateRequest(compute=False))
     assert [(v.judgement, v.limit) for v in verdicts] == [("undecided", 0.4), ("pass", 1.0)]
 
 
@@ -66,7 +66,7 @@ def test_missing_levels_are_computed_by_geometry_and_a_refusal_is_not_covered(mo
     monkeypatch.setattr(user, "ensure_runs_are_stored", refused)
     text = catalogue.shipped_scene_text("two-balls").replace('"6 um"', '"6.1 um"')
     mine = scene_file.scene_from_text(text, "mine.toml")
-    first, second = check([mine, TWO], GateRequest((tmp_path, gate_request().stores[1])))
+    first, second = check([mine, TWO], GateRequest(store=tmp_path))
     assert sorted(planned) == [("mine", 1), ("mine", 2)], "the stored reference of the other is not computed again"
     assert (first.judgement, "no room for the contact" in first.detail) == ("not covered", True)
     assert second.judgement == "pass"
@@ -81,7 +81,7 @@ def judged(folder, rows: list[dict[str, str]], *drop: str):
     heads = [head for head in rows[0] if head not in drop]
     lines = [",".join(heads), *(",".join(row[head] for head in heads) for row in rows)]
     (folder / "given.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    what = gate_request(loads=folder / "given.csv", max_error=8.0, store=folder / "none", compute=False)
+    what = GateRequest(loads=folder / "given.csv", max_error=8.0, store=folder / "none", compute=False)
     (found,) = check([catalogue.scene("lin-case1")], what)
     return found
 

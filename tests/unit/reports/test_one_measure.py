@@ -46,7 +46,7 @@ def test_every_page_says_the_same_error_of_a_thin_nut(found, monkeypatch):
         (load_error_table(STUDY, {NAME: found}), label, largest),
         (model_error_table(modelling.solve_refinement_sequence(scene, found, STUDY.reference_folders)), "lin", largest),
         (error_and_time_table(points), label, largest),
-        (overview.model_accuracy_table(overview.summarise_accuracy_by_model(points)), "lin", f"{largest}{OVER}"),
+        (overview.model_accuracy_table(points), "lin", f"{largest}{OVER}"),
     )
     for table, name, heading in pages:
         assert cells(table, name, (heading, "% of mean load")) == [pytest.approx(e.max_percent, rel=1e-9)], table.name
@@ -78,12 +78,12 @@ CASE = "lin-case1"
 def test_no_error_of_the_mean_load_has_a_limit_or_a_verdict() -> None:
     best = STUDY.stored_reference(CASE).best
     lin = measure_model_error(CASE, STUDY.built_in_scene(CASE), STUDY.solve_once(CASE, "lin"), best)
-    errors = fit.absolute_errors_by_model_and_quantity([lin])
-    fits = {one.quantity_key: one for one in errors}
+    rows = fit.accuracy_rows([lin])
+    fits = {row["quantity"]: (row["share_within_limit"], row["accurate_enough"]) for row in rows}
     for key in ("percent", "rms_percent"):
-        assert (fits[key].share_within_limit, fits[key].table_row["accurate_enough"]) == (None, None)
-    assert (fits["gate_percent"].share_within_limit, fits["gate_percent"].table_row["accurate_enough"]) == (0.0, "no")
-    assert "contact loads" in fit.sentences_on_accurate_quantities(errors).partition("lin is not accurate")[2]
+        assert fits[fit.WORDS[key]] == (None, None)
+    assert fits[fit.WORDS["gate_percent"]] == (0.0, "no")
+    assert "contact loads" in fit.sentences_on_accurate_quantities(rows).partition("lin is not accurate")[2]
 
 
 def test_the_first_page_has_errors_of_both_models_and_no_empty_cell(monkeypatch) -> None:

@@ -8,14 +8,14 @@ from rollbench.compare.models.applicability import descriptors_of_built_in_scene
 from rollbench.compare.models.model_form import DOUBLE, model_errors_on_compared_scenes
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.report import overview
-from rollbench.compare.sections.reference_time import ErrorAndRunTime, LargestErrorWithRange
+from rollbench.compare.sections.reference_time import ErrorAndRunTime
 
 
 def point(label: str, error: float, cold: float, kind: str = "model", **changes: object) -> ErrorAndRunTime:
     name = next((m.name for m in MODELS.values() if m.label == label), label.replace("3D reference, level", "3D level"))
     low, high = 0.9 * error, 1.1 * error + 0.1
-    gate = LargestErrorWithRange(1.2 * error, 1.2 * low, 1.2 * high)
-    measured = ErrorAndRunTime(label, kind, error, error / 2.0, low, high, cold, 0.1, 65, 100.0, name, gate)  # type: ignore[arg-type]
+    gate = 1.2 * error, 1.2 * high
+    measured = ErrorAndRunTime(label, kind, error, error / 2.0, low, high, cold, 0.1, 65, 100.0, name, *gate)  # type: ignore[arg-type]
     return replace(measured, **changes)  # type: ignore[arg-type]
 
 
@@ -34,16 +34,18 @@ POINTS = {"a": scene(1.0), "b": scene(2.0), "c": scene(3.0)}
 
 
 def test_standings_are_medians_and_worst_cases_of_what_converged() -> None:
-    found = {s.name: s for s in overview.summarise_accuracy_by_model(POINTS)}
+    table = overview.model_accuracy_table(POINTS)
+    found = {row["model_or_level"]: row for row in table.rows}
+    within, largest, median = ("scenes_within", "7"), "largest_load_error_over_scenes", overview.MEDIAN
     refined = found["refined"]
-    assert (refined.scene_count, refined.passed_scene_count, refined.scene_of_largest_error) == (3, 3, "c")
-    assert (refined.median_error_percent, refined.largest_error_percent) == (2.0, 3.0)
-    assert (refined.median_rms_error_percent, refined.largest_rms_error_percent) == (1.0, 1.5)
-    gate = refined.median_gate_error
-    assert (gate.error, gate.low, gate.high) == pytest.approx((2.4, 1.2 * 1.8, 1.2 * 2.3))
+    assert (refined["scenes"], refined[within], refined["scene_of_largest_error"]) == (3, 3, "c")
+    assert (refined[median], refined[largest]) == (2.0, 3.0)
+    assert (refined["rms_error_over_scenes_median"], refined["rms_error_over_scenes"]) == (1.0, 1.5)
+    assert refined["check_error_median"] == pytest.approx(2.4)
     # 6 % of the mean load, 7.2 % by the gate's rule: within no line of 7 %
-    assert (found["mei"].scene_count, found["mei"].largest_error_percent, found["lin"].passed_scene_count) == (2, 40.0, 0)
-    assert found["3D level 3"].median_error_percent == pytest.approx(0.1)  # its uncertainty: it is the best estimate itself
+    assert (found["mei"]["scenes"], found["mei"][largest], found["lin"][within]) == (2, 40.0, 0)
+    assert found["3D level 3"][median] == pytest.approx(0.1)  # its uncertainty: it is the best estimate itself
+    assert table.columns[median] == sorted(table.columns[median], reverse=True), "least accurate first"
 
 
 def test_every_screw_that_was_compared_is_in_the_first_figure() -> None:
