@@ -45,16 +45,3 @@ def read_report_file(path: Path) -> str:
             f"the file has {size:.3g} bytes; the largest permitted size of a report file is {LARGEST:.3g} bytes"
         )
     return path.read_text(encoding="utf-8")
-
-
-def parse_json(text: str) -> Any:
-    """Return the data in a JSON text; raise ValueError if the text is not JSON or is nested too deeply."""
-    try:
-        return json.loads(text)
-    except RecursionError:
-        raise ValueError("the brackets of the JSON text are nested too deeply") from None
-
-
-def is_mapping_of_texts(found: object) -> bool:
-    """Return whether a part of a manifest, as read from its JSON, is a mapping whose values are all texts."""
-    return isinstance(found, dict) and all(isinstance(value, str) for value in found.values())

@@ -20,7 +20,6 @@ from markupsafe import Markup
 from rollbench.reports import figures, scene3d, sketch
 from rollbench.reports.cells import format_cell, with_typographic_signs
 from rollbench.reports.content import Figure, LoadedScrew, SceneView, Section, Sketch, Table
-from rollbench.reports.manifest import is_mapping_of_texts, parse_json
 from rollbench.reports.pages import load_templates, svg_as_html_element
 from rollbench.reports.view import MARKER, viewer_elements_html
 
@@ -119,12 +118,14 @@ def read_page_data(html: str) -> dict[str, Any]:
         if found is None:
             raise ValueError(f"the page lacks the script element {name!r}, which contains its data")
         try:
-            out[name] = parse_json(found[1])
-        except ValueError as error:
+            out[name] = json.loads(found[1])
+        except (ValueError, RecursionError) as error:
             raise ValueError(f"the script element {name!r} of the page contains damaged data ({error})") from None
-    manifest, texts = out["manifest"], isinstance(out["scene"], str)
-    keys = ("files", "provenance")
-    whole = isinstance(manifest, dict) and all(is_mapping_of_texts(manifest.get(key, {})) for key in keys)
-    if not (whole and texts and isinstance(out["results"], dict)):
+    manifest = out["manifest"]
+    sound = isinstance(manifest, dict) and isinstance(out["scene"], str) and isinstance(out["results"], dict)
+    for key in ("files", "provenance"):
+        texts = manifest.get(key, {}) if sound else None
+        sound = sound and isinstance(texts, dict) and all(isinstance(text, str) for text in texts.values())
+    if not sound:
         raise ValueError("the manifest, the scene text or the results in the page are damaged")
     return out

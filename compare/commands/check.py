@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from rollbench.compare.gate.gate import GateCheck
-    from rollbench.compare.gate.publish import Outcome, VerdictChange
+    from rollbench.compare.gate.publish import Outcome
     from rollbench.compare.gate.user import GateRequest
     from rollbench.compare.models.study import SceneResultCache
     from rollbench.compare.reference.jobs import ComputingSettings
@@ -47,28 +47,24 @@ class VerdictFiles:
     csv: Path | None = None
     baseline: Path | None = None
 
-    def changes_since_baseline(self, outcomes: Sequence[Outcome]) -> list[VerdictChange]:
-        """Return the verdicts that differ from those in the baseline file; no verdicts if no baseline was stated.
+    def compare_and_write(
+        self, outcomes: Sequence[Outcome], notes: Sequence[str]
+    ) -> tuple[dict[str, Any], list[str], list[str]]:
+        """Compare the verdicts with those of the baseline file, and write them with notes and changes to the files.
 
-        InputError if the file cannot be read.
+        Returns the changes as JSON (empty without baseline), and lines on the changes and on the written files. InputError
+        if a file cannot be read or written.
         """
-        from rollbench.compare.gate.publish import verdict_changes_since_file
+        from rollbench.compare.gate.publish import verdict_changes_since_file, write_verdicts
 
-        return [] if self.baseline is None else verdict_changes_since_file(self.baseline, outcomes)
-
-    def baseline_change_lines(self, changed: Sequence[VerdictChange]) -> list[str]:
-        """Return the changes since the baseline as lines of text; no lines if no baseline was stated."""
-        if self.baseline is None:
-            return []
-        lines = [change.line() for change in changed] or ["nothing changed"]
-        return [f"since {self.baseline.name}: {line}" for line in lines]
-
-    def write(self, outcomes: Sequence[Outcome], notes: Sequence[str]) -> list[str]:
-        """Write the verdicts to all requested files, and return a line that names each file."""
-        from rollbench.compare.gate.publish import write_verdicts
-
-        written = write_verdicts(outcomes, notes, junit_file=self.junit, markdown_file=self.markdown, csv_file=self.csv)
-        return [f"wrote {path}" for path in written]
+        data, lines = dict[str, Any](), list[str]()
+        if self.baseline is not None:
+            changed = verdict_changes_since_file(self.baseline, outcomes)
+            data["changed"] = [change.as_json() for change in changed]
+            said = [change.line() for change in changed] or ["nothing changed"]
+            lines = [f"since {self.baseline.name}: {line}" for line in said]
+        files = {"junit_file": self.junit, "markdown_file": self.markdown, "csv_file": self.csv}
+        return data, lines, [f"wrote {path}" for path in write_verdicts(outcomes, [*notes, *lines], **files)]
 
 
 VerdictFiles.__doc__ = terminal.join_paragraph_lines(VerdictFiles.__doc__)
@@ -98,17 +94,15 @@ def judge_and_report(
                 raise InputError(name, "name", scene.name, "a name that no other scene of the command has", advice)
             taken[scene.name] = name
     found = judge_scenes(described, names, request, engine, show_progress_message)
-    left, changed = found.not_judged, files.changes_since_baseline(found.rows)
+    left = found.not_judged
     above = [f"WARNING: {warning}" for warning in found.warnings]
     missing = f"quantities not judged, because the file or the reference has no value of them: {', '.join(left)}"
     below = [missing] if left else []
-    below += files.baseline_change_lines(changed)
-    written = files.write(found.rows, [*above, *below])
-    data: dict[str, Any] = found.to_dict()
-    data |= {} if files.baseline is None else {"changed": [change.as_json() for change in changed]}
+    changes, lines, written = files.compare_and_write(found.rows, [*above, *below])
+    data: dict[str, Any] = found.to_dict() | changes
     worst = [f"worst load case of {x.duty_cycle.name}: {x.load_case.name}, {one.word}" for x, one in found.worst_cases]
     table = format_table_as_text(found.table(), text_width(), found.headings)
-    parts = [found.answer, *above, "", table, "", *worst, *below, *found.advice, *written]
+    parts = [found.answer, *above, "", table, "", *worst, *below, *lines, *found.advice, *written]
     return CommandOutput(data, parts, CODES[found.judgement])
 
 
@@ -147,13 +141,12 @@ def report_shipped_data_checks(max_error: float | None, files: VerdictFiles, *, 
     cache = SceneResultCache(random_draw_count=0)  # no random specimens are solved: no check is about random errors
     rows = check_shipped_data(cache, limit)
     bad = [row for row in rows if not row.passed]
-    changed = files.changes_since_baseline(rows)
-    written = [*files.baseline_change_lines(changed), *files.write(rows, files.baseline_change_lines(changed))]
+    changes, lines, written = files.compare_and_write(rows, ())
     warnings = [*fraction_limit_warnings(ErrorLimits(limit))]
     data = add_schema_version(
         {"max_error_percent": limit, "passed": not bad, "rows": [row.as_json() for row in rows], "warnings": warnings}
     )
-    data |= {} if files.baseline is None else {"changed": [change.as_json() for change in changed]}
+    data |= changes
     words = [row.judgement for row in rows]
     others = "".join(f", {n} {word}" for word in ("undecided", "reported") if (n := words.count(word)))
     line = f"{'FAIL' if bad else 'PASS'}: {words.count('ok')} passed, {len(bad)} failed{others}"
@@ -161,7 +154,7 @@ def report_shipped_data_checks(max_error: float | None, files: VerdictFiles, *, 
     more = [] if verbose else ["--verbose, --csv or --json also list the checks that pass"]
     above = [f"WARNING: {warning}" for warning in warnings]
     table = [shipped_checks_table(shown)] if shown else []
-    return CommandOutput(data, [line, *above, *table, *more, *written], 1 if bad else 0)
+    return CommandOutput(data, [line, *above, *table, *more, *lines, *written], 1 if bad else 0)
 
 
 def shipped_checks_table(rows: Sequence[GateCheck]) -> Table:

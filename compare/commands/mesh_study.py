@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from rollbench.compare.reference.store import Run
     from rollbench.compare.reference.tasks import Solvable
     from rollbench.compare.results.mesh_study import MeshLevel
-    from rollbench.compare.scenes.duty_cycle import FrictionScene
     from rollbench.compare.studies.roller import RollerRun
 
 
@@ -69,36 +68,17 @@ def mesh_study(
     rolling = scenes_of_friction_or_none(scenes, bodies, {"spread": spread})
     engine, how = engine_from_options(where), {"source": source_mesh, "fresh": fresh}
     if rolling:
-        answer = study_rolling_contact(rolling, levels, store, engine, **how, bodies=bodies)
+        from rollbench.compare.studies.rolling.rows import rolling_mesh_study
+
+        rows = rolling_mesh_study(rolling, levels, store, engine, **how, bodies=bodies)
+        parts: list[Any] = []
+        for name in dict.fromkeys(row["scene"] for row in rows):
+            of_scene = [{k: v for k, v in row.items() if k != "scene"} for row in rows if row["scene"] == name]
+            parts += [f"mesh study of {name}", "", table_of_records(of_scene, ".6g")]
+        answer = CommandOutput(rows, parts)
     else:
         answer = study_mesh_levels(scenes, levels, store, engine, **how, spread=spread)
     return print_command_output(answer, as_json)
-
-
-def study_rolling_contact(
-    scenes: Sequence[FrictionScene],
-    levels: int | None,
-    store: Path,
-    engine: ComputingSettings,
-    *,
-    source: bool,
-    fresh: bool,
-    bodies: str,
-) -> CommandOutput:
-    """Compute missing runs of the 3D model of rolling contact, and return a table of mesh levels for each scene.
-
-    ``levels``: number of the finest level; None: the default. ``store``: folder of stored runs. ``source``: whether a grid
-    with the element size of Lin's thesis is added. ``fresh``: compute stored runs again. ``bodies``: "half-space" if ball
-    and grooves are half-spaces in the 3D model, or "finite" if they have their finite size.
-    """
-    from rollbench.compare.studies.rolling.rows import rolling_mesh_study
-
-    rows = rolling_mesh_study(scenes, levels, store, engine, source=source, fresh=fresh, bodies=bodies)
-    parts: list[Any] = []
-    for name in dict.fromkeys(row["scene"] for row in rows):
-        of_scene = [{k: v for k, v in row.items() if k != "scene"} for row in rows if row["scene"] == name]
-        parts += [f"mesh study of {name}", "", table_of_records(of_scene, ".6g")]
-    return CommandOutput(rows, parts)
 
 
 def study_mesh_levels(
@@ -123,22 +103,17 @@ def study_mesh_levels(
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import scenes_to_solve
-    from rollbench.compare.studies.mesh_study import (
-        compute_references_on_levels,
-        mesh_levels_of_study,
-        mesh_study_of_reference,
-        mesh_study_rows_for_terminal,
-    )
+    from rollbench.compare.studies import mesh_study as study_of
 
     scenes: list[Solvable] = [x for name in names for x in scenes_to_solve(catalogue.scene_of_any_kind(name), name)]
-    stores, levels = (store,) if fresh else (store, shipped_store()), mesh_levels_of_study(count)
-    references = compute_references_on_levels(
+    stores, levels = (store,) if fresh else (store, shipped_store()), study_of.mesh_levels_of_study(count)
+    references = study_of.compute_references_on_levels(
         scenes, levels, stores, engine, show_progress_message, spread=spread, source=source, fresh=fresh
     )
     tables: dict[str, list[dict[str, Any]]] = {scene.name: [] for scene in scenes}
     parts: list[Any] = []
     for one in references:
-        study, stem = mesh_study_of_reference(one, stores, levels), store / f"{one.scene.name}-mesh-study"
+        study, stem = study_of.mesh_study_of_reference(one, stores, levels), store / f"{one.scene.name}-mesh-study"
         table = [x.as_json() for x in study.quantities]
         rows = table if one.place_on_shaft is None else [{"set": one.place_on_shaft.name, **row} for row in table]
         tables[one.scene.name if one.place_on_shaft is None else one.place_on_shaft.assembly.name] += rows
@@ -149,7 +124,7 @@ def study_mesh_levels(
                 write_figure(Path(f"{stem}.svg"), figure)
         parts += [f"mesh study of {one.reference.scene}", ""]
         parts += [table_of_records(mesh_level_rows(study.levels, one.reference.runs)), ""]
-        parts += [table_of_records(mesh_study_rows_for_terminal(study.quantities)), ""]
+        parts += [table_of_records(study_of.mesh_study_rows_for_terminal(study.quantities)), ""]
         parts += [*study.notes, *filter(None, [one.reference.unsettled])]
         parts.append(f"every contact: {stem}.csv and {reason_without_figure() or '.svg'}")
     return CommandOutput(tables, parts, exit_code_of_references(one.reference for one in references))

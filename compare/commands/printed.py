@@ -34,7 +34,8 @@ def judge_printed_numbers(sources: Sequence[str], only: Sequence[str], write: Pa
         verdicts = {row.printed.name: row.verdict for row in rows}
         replace_file(write, json.dumps(verdicts, indent=0) + "\n")
     changed = [row.verdict_change for row in rows if row.verdict_change]
-    return CommandOutput(printed_entries_json(rows, changed), printed_entries_table(rows, changed), 1 if changed else 0)
+    data = printed_entries_json(rows, changed)
+    return CommandOutput(data, printed_entries_table(data), 1 if changed else 0)
 
 
 def judged_printed_entries(
@@ -117,25 +118,18 @@ def printed_entry_json(e: PrintedEntryComparison) -> dict[str, Any]:
     }
 
 
-def printed_entries_table(rows: Sequence[PrintedEntryComparison], changed: Sequence[str]) -> list[Any]:
+def printed_entries_table(data: Mapping[str, Any]) -> list[Any]:
     """Return tables and lines for the terminal: verdicts by publication, printed numbers and claims, changed verdicts.
 
-    ``rows``: printed numbers and claims with their verdicts. ``changed``: a text for each verdict that differs from the
-    expected one, which the file of printed numbers states.
+    ``data``: `printed_entries_json`.
     """
     from rich.table import Table
 
-    from rollbench.compare.evidence import (
-        APART,
-        count_entries_by_verdict,
-        misprint_rows,
-        reproduction_sentence,
-        uncompared_number_rows,
-    )
+    from rollbench.compare.evidence import APART, reproduction_sentence
     from rollbench.compare.printed import VERDICTS
 
     headings = [name + (" (not judged)" if name in APART else "") for name in ("source", *VERDICTS, "judged", "all")]
-    counts = (map(str, row.values()) for row in count_entries_by_verdict(rows))
+    counts = (map(str, row.values()) for row in data["counts"])
     table = ruled_table("numbers printed in publications, by verdict", headings, counts)
     entries = Table(title="numbers and claims printed in publications", title_justify="left")
     values = {
@@ -147,14 +141,14 @@ def printed_entries_table(rows: Sequence[PrintedEntryComparison], changed: Seque
     }
     for heading in ("table:key", "printed", *values, "verdict", "reason"):
         entries.add_column(heading, overflow="fold")
-    for one in rows:
-        data = printed_entry_json(one)
-        numbers = (format_cell(data[k], ".5g") for k in values.values())
-        entries.add_row(one.printed.name, f"{data['printed']} {data['unit']}".rstrip(), *numbers, one.verdict, one.reason)
-    lines = [reproduction_sentence(row) for row in count_entries_by_verdict(rows)]
-    left_out = f"{len(uncompared_number_rows())} groups of numbers that are not compared"
-    lines.append(f"--json also lists: {len(misprint_rows())} misprints, each with a command and a test; {left_out}")
-    return [table, *lines, entries, *(f"changed: {line}" for line in changed)]
+    for one in data["entries"]:
+        numbers = (format_cell(one[k], ".5g") for k in values.values())
+        printed = f"{one['printed']} {one['unit']}".rstrip()
+        entries.add_row(one["entry"], printed, *numbers, one["verdict"], one["reason"])
+    lines = [reproduction_sentence(row) for row in data["counts"]]
+    left_out = f"{len(data['left_out'])} groups of numbers that are not compared"
+    lines.append(f"--json also lists: {len(data['misprints'])} misprints, each with a command and a test; {left_out}")
+    return [table, *lines, entries, *(f"changed: {line}" for line in data["changed_verdicts"])]
 
 
 def list_computations_of_printed_numbers(table: str = "") -> CommandOutput:
@@ -205,12 +199,6 @@ def list_parts_in_catalogues(words: str) -> CommandOutput:
     tables = [table_of_records(one, title=f"{len(one)} {name}, as printed") for name, one in data.items()]
     line = "a scene of one: rollbench new FILE --like NAME"
     return CommandOutput(data, [*tables, line])
-
-
-def list_shipped() -> CommandOutput:
-    """Return the lists of scenes, models and printed tables that are shipped with rollbench."""
-    data = _shipped_contents_json()
-    return CommandOutput(data, _shipped_contents_lines(data))
 
 
 def _shipped_contents_json() -> dict[str, dict[str, Any]]:
@@ -269,4 +257,5 @@ def list_(*, makers: str | None = None, trace: Flag = False, table: Word = "", a
     elif trace or table:
         print_command_output(list_computations_of_printed_numbers(table), as_json)
     else:
-        print_command_output(list_shipped(), as_json)
+        data = _shipped_contents_json()
+        print_command_output(CommandOutput(data, _shipped_contents_lines(data)), as_json)

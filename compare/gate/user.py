@@ -315,7 +315,8 @@ def check_scenes(
             beside = each
             if value.axial_load is not None:
                 beside = comparison.stored_references(files.scenes_by_axial_load[value.axial_load], request.stores)
-            one = next((x for x in beside if is_name_of_nut_or_bearing(x, value.set)), None)
+            places = ((x, x.place_on_shaft) for x in beside)
+            one = next((x for x, p in places if p is None or value.set in _accepted_names(p.assembly, p.index)), None)
             out.append(_verdict_on_user_value(value, one, scene, limits, request, reason))
     return out
 
@@ -335,7 +336,12 @@ def _load_verdicts(
     verdicts = verdict.judge_contact_loads(judged, given.load, one.reference, limits, given.flanks_with_rows, detail)
     values = verdict.JudgedContactValues(given.load, given.further_quantities, given.flanks_with_rows)
     further = verdict.judge_contact_quantities(judged, values, one.scene, one.reference, limits)
-    return _add_scene_and_set_names(_add_stored_reference_verdict(verdicts, given, one, limits, request) + further, one)
+    ours = stored_reference_of_nut_or_bearing(one, request.stores) if one.reference.stated else None
+    if ours is not None:
+        other = verdict.judge_contact_loads("", given.load, ours, limits, given.flanks_with_rows)[0]
+        words = f"by the stored 3D reference: {other.comparison_text()}, {other.judgement}"
+        verdicts[0] = replace(verdicts[0], detail=f"{verdicts[0].detail}; {words}")
+    return _add_scene_and_set_names(verdicts + further, one)
 
 
 def _add_scene_and_set_names(verdicts: list[VerdictRow], one: SceneWithReference) -> list[VerdictRow]:
@@ -344,26 +350,6 @@ def _add_scene_and_set_names(verdicts: list[VerdictRow], one: SceneWithReference
     ``one``: the nut or bearing to which the verdicts belong.
     """
     return [replace(v, scene=one.described_scene.name, set=one.set_name or None) for v in verdicts]
-
-
-def _add_stored_reference_verdict(
-    verdicts: list[VerdictRow],
-    given: ContactLoadsFromFile,
-    one: SceneWithReference,
-    limits: ErrorLimits,
-    request: GateRequest,
-) -> list[VerdictRow]:
-    """Return the verdicts; the explanation of the first now also has the verdict against the stored 3D reference.
-
-    This is added only if ``verdicts`` are against a user's reference file and a 3D reference is stored, too. ``given``: the
-    user's contact loads; ``one``: the nut or bearing with the reference against which it was judged.
-    """
-    ours = stored_reference_of_nut_or_bearing(one, request.stores) if one.reference.stated else None
-    if ours is None:
-        return verdicts
-    other = verdict.judge_contact_loads("", given.load, ours, limits, given.flanks_with_rows)[0]
-    words = f"by the stored 3D reference: {other.comparison_text()}, {other.judgement}"
-    return [replace(verdicts[0], detail=f"{verdicts[0].detail}; {words}"), *verdicts[1:]]
 
 
 def _verdict_on_user_value(
@@ -387,15 +373,6 @@ def _verdict_on_user_value(
         return _not_covered_verdict(scene, judged, value.name, limits.limit_of(value.quantity), reason)
     found = verdict.judge_value(judged, value, one.scene, one.reference, limits)
     return _add_scene_and_set_names([found], one)[0]
-
-
-def is_name_of_nut_or_bearing(referenced: SceneWithReference, text: str) -> bool:
-    """Return whether a text is the number (from 1) or the name of a nut or bearing; of a single one, any text is accepted.
-
-    ``referenced``: the nut or bearing with its reference.
-    """
-    place = referenced.place_on_shaft
-    return place is None or text in _accepted_names(place.assembly, place.index)
 
 
 def _accepted_names(assembly: Assembly, k: int) -> tuple[str, str]:

@@ -420,11 +420,6 @@ def _text_announcing_tasks(left: Sequence[ReferenceTask], stored: int, store: Pa
     return f"{head}; expected: about {time}, up to {memory:.1f} GB of memory; stored in {store}"
 
 
-def modelling_variant_names() -> tuple[str, ...]:
-    """Return the names of the variants of the 3D reference that change a modelling choice, not the mesh."""
-    return tuple(name for name, variant in VARIANTS.items() if not variant.refined)
-
-
-def refinement_variant_names() -> tuple[str, ...]:
-    """Return the names of the variants of the 3D reference that refine one mesh setting of the finest level."""
-    return tuple(name for name, variant in VARIANTS.items() if variant.refined)
+def variant_names(*, refined: bool) -> tuple[str, ...]:
+    """Return the names of the variants of the 3D reference that refine one mesh setting, or that change another choice."""
+    return tuple(name for name, variant in VARIANTS.items() if bool(variant.refined) == refined)

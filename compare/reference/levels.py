@@ -106,16 +106,6 @@ class ReferenceVariant:
         return PRODUCTION if self.refined else min(LEVELS)
 
 
-@dataclass(frozen=True)
-class UnvariedChoice:
-    """Modelling choice of the 3D reference whose effect is not computed, since no variant changes it."""
-
-    #: Name of the choice.
-    choice: str
-    #: Reason why it is not varied.
-    reason: str
-
-
 def unchanged_scene(scene: Scene) -> Scene:
     """Return the scene unchanged; used as ``change`` of those variants that differ from the reference only in the mesh."""
     return scene
@@ -277,15 +267,12 @@ VARIANTS: dict[str, ReferenceVariant] = {
 }
 
 #: Choices that the modelling uncertainty does not include.
-NOT_VARIED = (
-    UnvariedChoice(
-        "deflectors and return tubes of the nut",
+NOT_VARIED = {
+    "deflectors and return tubes of the nut": (
         "between loaded turns the groove runs on; what fills it there or pierces the wall is not meshed, nor are wipers "
-        "and their counterbores",
+        "and their counterbores"
     ),
-    UnvariedChoice("chamfers and run-in of the lands", "edges of lands and faces are sharp"),
-    UnvariedChoice("stiffness of what holds the nut and the screw", "held nodes do not move; a housing would"),
-    UnvariedChoice(
-        "friction, large strains, contact of the second order in ball over groove radius", "left out of the model"
-    ),
-)
+    "chamfers and run-in of the lands": "edges of lands and faces are sharp",
+    "stiffness of what holds the nut and the screw": "held nodes do not move; a housing would",
+    "friction, large strains, contact of the second order in ball over groove radius": "left out of the model",
+}

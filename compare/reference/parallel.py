@@ -197,7 +197,7 @@ def _run_on_cluster(requests: Sequence[Asked], scheduler: str | None, workers: i
                     looked = monotonic()
         except (KilledWorker, CancelledError) as error:
             if isinstance(error, CancelledError) and scheduler is not None and not _scheduler_answers(scheduler):
-                raise _lost_cluster_error(f"{scheduler}: the scheduler no longer answers") from error
+                raise _cluster_error(f"{scheduler}: the scheduler no longer answers") from error
             raise _dead_worker_error(error) from error
         except ImportError as error:
             place = f"a worker without rollbench, which joined the cluster during the computation ({error})"
@@ -217,7 +217,7 @@ def _check_cluster_repeatedly(client: Any, place: str) -> Iterator[None]:
         except TimeoutError:  # the scheduler is busy
             pass
         except Exception as error:  # any error of a closed connection
-            raise _lost_cluster_error(f"{place}: the scheduler no longer answers ({type(error).__name__})") from error
+            raise _cluster_error(f"{place}: the scheduler no longer answers ({type(error).__name__})") from error
         else:
             had_workers = had_workers or workers > 0
             if workers == 0 and alone == 0.0:
@@ -226,20 +226,18 @@ def _check_cluster_repeatedly(client: Any, place: str) -> Iterator[None]:
             alone = 0.0 if workers else alone + LOOK
             if alone > LONELY:
                 if had_workers:
-                    raise _lost_cluster_error(f"{place}: the last worker was lost, and no other joined within {LONELY:g} s")
+                    raise _cluster_error(f"{place}: the last worker was lost, and no other joined within {LONELY:g} s")
                 reason, advice = f"no workers within {LONELY:g} s", f"start workers with: dask worker {place}"
-                raise _unusable_cluster_error(place, reason, advice)
+                raise _cluster_error(f"{place}: {reason}", advice)
         yield
 
 
-def _unusable_cluster_error(place: str, reason: str, advice: str) -> InputError:
-    """Return the error to raise for a Dask cluster that cannot be used; ``place``: address or name of the cluster."""
-    return ArgumentError("scheduler", f"{place}: {reason}", "a scheduler with workers", advice)
+def _cluster_error(reason: str, advice: str = AGAIN) -> InputError:
+    """Return the error for a Dask cluster that cannot be used or has been lost.
 
-
-def _lost_cluster_error(reason: str) -> InputError:
-    """Return the error to raise if the scheduler or the workers of a Dask cluster were lost; ``reason``: what happened."""
-    return ArgumentError("scheduler", reason, "a scheduler with workers", AGAIN)
+    ``reason``: what is wrong, with the scheduler's address; ``advice``: remedy.
+    """
+    return ArgumentError("scheduler", reason, "a scheduler with workers", advice)
 
 
 def _dead_worker_error(error: BaseException) -> InputError:
@@ -272,12 +270,12 @@ def _connect_to_cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
                 asyncio.run(asyncio.wait_for(_try_connection(scheduler), PATIENCE))
             except Exception as error:  # nothing there, or something that is no scheduler
                 start = "start one with: dask scheduler; its address looks like tcp://host:8786"
-                raise _unusable_cluster_error(place, f"no answer of a scheduler ({type(error).__name__})", start) from error
+                raise _cluster_error(f"{place}: no answer of a scheduler ({type(error).__name__})", start) from error
         client = stack.enter_context(Client(address, timeout=PATIENCE, set_as_default=False))
         try:
             client.run(_rollbench_version)
         except Exception as error:
-            raise _unusable_cluster_error(place, f"workers without rollbench ({error})", INSTALL) from error
+            raise _cluster_error(f"{place}: workers without rollbench ({error})", INSTALL) from error
         yield client
 
 

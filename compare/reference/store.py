@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, field, replace
 from functools import cache, lru_cache, partial
 from importlib import metadata
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -407,58 +407,44 @@ def files_of_stored_runs(store: Path, scene: Solvable, level: int, variant: str 
     """
     own, pattern = (_file_name_start(name, level, variant) for name in (scene.name, "*"))
     paths = sorted(store.glob(f"{pattern}{KEY}.json"), key=lambda path: (not path.name.startswith(own), path.name))
-    read = [mesh for path in paths if (mesh := _read_mesh_of_run(path)) is not None]
-    meshes = {mesh.identifying_text: mesh for mesh in read if mesh.ball_count == scene.ball_count}
-    keys = {key for mesh in meshes.values() if (key := mesh.content_key_of_run(scene, variant)) is not None}
+    read = [found for path in paths if (found := _read_run_and_mesh(path)) is not None]
+    meshes = {mesh: run for run, mesh in read if len(run.load) == scene.ball_count}
+    keys = {_content_key_or_none(scene, variant, run) for run in meshes.values()}
     return [path for path in paths if path.stem.rpartition("-")[2] in keys]
 
 
-class _MeshOfRun(NamedTuple):
-    """Mesh of a stored 3D run as its content key describes it: mesh settings, meshed flanks, program versions."""
+def _content_key_or_none(scene: Solvable, variant: str, run: Run) -> str | None:
+    """Return the key that a stored run of ``scene`` on the mesh of ``run`` would have; None if it does not fit the scene.
 
-    #: Number of balls of the run.
-    ball_count: int
-    #: Mesh settings by name.
-    mesh_settings: dict[str, Any]
-    #: Numbers of the flanks that were meshed: 0 to 3 for SL, SR, NL, NR.
-    meshed_flanks: tuple[int, ...]
-    #: Versions of programs by name.
-    program_versions: dict[str, str]
-    #: Settings, flanks and versions as text, which identifies equal meshes.
-    identifying_text: str
-
-    def content_key_of_run(self, scene: Solvable, variant: str) -> str | None:
-        """Return the key that a stored run of ``scene`` on this mesh would have; None if the mesh does not fit the scene.
-
-        ``variant``: name of the modelling variant; empty: none.
-        """
-        try:
-            return content_key_of_run(scene, variant, self.mesh_settings, self.meshed_flanks, self.program_versions)
-        except (ValueError, KeyError, TypeError):
-            return None
-
-
-def _read_mesh_of_run(path: Path) -> _MeshOfRun | None:
-    """Return mesh settings, meshed flanks and program versions from a stored run's file; None if it cannot be read."""
+    ``variant``: name of the modelling variant; empty: none.
+    """
     try:
-        return _cached_mesh_of_run(path, path.stat().st_mtime_ns)
-    except OSError:
+        return content_key_of_run(scene, variant, run.settings, run.sides, run.versions)
+    except (ValueError, KeyError, TypeError):
+        return None
+
+
+def _read_run_and_mesh(path: Path) -> tuple[Run, str] | None:
+    """Return the run in a file, and the text that identifies its mesh; None if the file is damaged or missing."""
+    try:
+        return _cached_run_and_mesh(path, path.stat().st_mtime_ns)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
 
 
 @lru_cache(maxsize=100_000)
-def _cached_mesh_of_run(path: Path, _changed: int) -> _MeshOfRun | None:
-    """Return mesh settings, meshed flanks and program versions from a stored run's file; None if it is damaged.
+def _cached_run_and_mesh(path: Path, _changed: int) -> tuple[Run, str]:
+    """Return the run in a file, and the text of its settings, flanks and program versions, which identifies equal meshes.
 
     The result is cached by the path and the file's time of change ``_changed`` [ns].
     """
-    try:
-        run = read_checked_data(path)
-        settings, sides, programs = mesh_settings_with_tuples(run["settings"]), tuple(run["sides"]), dict(run["versions"])
-        text = canonical_text((RecordFields(Settings, settings), sides, programs))
-        return _MeshOfRun(len(run["load"]), settings, sides, programs, text)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        return None
+    data = read_checked_data(path)
+    arrays: dict[str, Any] = {k: _array_from_json(data.pop(k)) for k in ARRAYS}
+    without = {k: _array_from_json(v) for k, v in data.pop("without").items()}
+    data |= {name: tuple(data[name]) for name in ("sides", "assumed")}
+    data["settings"] = mesh_settings_with_tuples(data["settings"])
+    run = Run(**data, **arrays, without=without)
+    return run, canonical_text((RecordFields(Settings, run.settings), run.sides, run.versions))
 
 
 def _sort_key_of_run(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
@@ -476,19 +462,14 @@ def read_run_file(path: Path, scene: Solvable, level: int, variant: str) -> Run 
 
     None if the file is damaged, is of another mesh level or variant, or its name does not contain the content key.
     """
-    try:
-        data = read_checked_data(path)
-        arrays: dict[str, Any] = {k: _array_from_json(data.pop(k)) for k in ARRAYS}
-        without = {k: _array_from_json(v) for k, v in data.pop("without").items()}
-        data |= {name: tuple(data[name]) for name in ("sides", "assumed")}
-        data["settings"] = mesh_settings_with_tuples(data["settings"])
-        run = Run(**data, **arrays, without=without)
-        whole = run.load.shape == (scene.ball_count, 4) == run.angle.shape == run.frozen.shape
-        key = content_key_of_run(scene, run.variant, run.settings, run.sides, run.versions)
-        as_named = (run.level, run.variant) == (level, variant) and path.stem.rpartition("-")[2] == key
-        return run if whole and as_named and run.answers else None
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+    found = _read_run_and_mesh(path)
+    if found is None:
         return None
+    run = found[0]
+    whole = run.load.shape == (scene.ball_count, 4) == run.angle.shape == run.frozen.shape
+    key = _content_key_or_none(scene, run.variant, run)
+    as_named = (run.level, run.variant) == (level, variant) and path.stem.rpartition("-")[2] == key
+    return run if whole and as_named and run.answers else None
 
 
 def _array_from_json(rows: list[list[float | None]]) -> Array:

@@ -18,8 +18,8 @@ from rollbench.compare.studies.friction.solve import solve_friction_of_scene
 from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.lowfi.rating.contacts import RACES, WorstContact
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.parts import FREEDOMS, SIDES
-from rollbench.reports.content import Row, Section, Table, TableColumn, Text
+from rollbench.meshes.parts import SIDES
+from rollbench.reports.content import Row, Section, Table, Text
 from rollbench.reports.scene_html import ScenePage
 
 
@@ -110,24 +110,19 @@ def _force_and_stiffness_tables(found: Result) -> list[Table]:
     ``found``: results of the shaft.
     """
     stiffness, place = found.stiffness, found.place_of_stiffness.partition(",")[0].removeprefix("at ")
-    rows: list[Row] = [
-        {TableColumn(head, head, "", "s" if head == "set" else "g4"): text for head, text in row.items()}
-        for row in bearing_and_nut_rows(found.sets)
-    ]
+    rows = report_parts.rows_under_own_headings(bearing_and_nut_rows(found.sets), "set")
     tables = [Table.from_rows("sets", "Force on the shaft and stiffness of each nut or bearing", rows)]
     if stiffness is not None:
         free = [k for k, line in enumerate(stiffness) if not np.isnan(line).all()]
-        cells: list[Row] = []
-        for i in free:
-            cell: Row = {"component": FREEDOMS[i]}
-            for k in free:
-                cell["per_unit_of", FREEDOMS[k]] = float(stiffness[i, k])
-            cells.append(cell)
         note = (
             f"{place[:1].upper()}{place[1:]}; a row for each component of force [N] and moment [N m], a column for each "
             "displacement [m] and rotation [rad]. The other degrees of freedom are held."
         )
-        tables.append(Table.from_rows("tangent", "Tangent stiffness of the whole shaft", cells, note))
+        tables.append(
+            Table.from_rows(
+                "tangent", "Tangent stiffness of the whole shaft", report_parts.stiffness_rows(stiffness, free), note
+            )
+        )
     return tables
 
 

@@ -117,16 +117,15 @@ def _cell_difference(row_and_column: str, old: str | None, new: str | None) -> I
         yield f"{row_and_column}: {a:.6g} became {b:.6g} ({change:+.3g} %)"
 
 
-def read_scene_page(report: Path) -> tuple[str, dict[str, Any]]:
-    """Read a page that `rollbench report SCENE` wrote: return its HTML text and the data that it contains.
+def read_scene_page(report: Path) -> dict[str, Any]:
+    """Return the data that a page contains that `rollbench report SCENE` wrote.
 
     ``report``: path of the page or of its folder. The data are manifest, scene file and results, by the names "manifest",
     "scene" and "results". Raises InputError for a file that is no such page.
     """
     path = report / "index.html" if report.is_dir() else report
     try:
-        html = read_report_file(path)
-        return html, read_page_data(html)
+        return read_page_data(read_report_file(path))
     except (OSError, ValueError) as error:
         advice = "write a page with a manifest: rollbench report SCENE"
         raise InputError(str(path), "file", f"an unusable file: {error}", "a page with a manifest", advice) from None
@@ -160,7 +159,7 @@ def write_and_compare_pages(
     InputError
         If a scene, the earlier page or the file of loads cannot be used.
     """
-    before = None if against is None else read_scene_page(against)[1]
+    before = None if against is None else read_scene_page(against)
     pages = write_scene_pages(scenes, out, store, reference)
     parts = []
     for name, page in zip(scenes, pages, strict=True):
@@ -168,7 +167,7 @@ def write_and_compare_pages(
         parts += [*(f"WARNING: {said}{warning}" for warning in page.warnings), f"{said}{page.verdict}"]
     parts.append(f"page: {out / INDEX}")
     if before is not None:
-        after = read_scene_page(out)[1]
+        after = read_scene_page(out)
         compared = {"manifest": _manifest_without_date, "results": _results_without_solver_report}
         lines = [line for key, kept in compared.items() for line in result_differences(kept(before[key]), kept(after[key]))]
         parts += lines or ["nothing changed"]

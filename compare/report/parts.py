@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime
 import platform
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from rollbench.compare import __version__
@@ -14,10 +14,11 @@ from rollbench.compare.results.base import Row as AnswerRow
 from rollbench.compare.running import package_versions
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.parts import FREEDOMS, Scene
 from rollbench.reports.cells import replace_um_by_micrometre
-from rollbench.reports.content import Figure, Row, Section, Table, TableColumn, Text
+from rollbench.reports.content import Cell, Figure, Row, Section, Table, TableColumn, Text
 from rollbench.reports.manifest import sha256
 
 #: Libraries whose versions a page states.
@@ -68,6 +69,22 @@ def results_table(rows: Sequence[AnswerRow], title: str, note: str = "", name: s
         {q: replace_um_by_micrometre(row[k]) for (k, _), q in zip(kept, quantities, strict=True)} for row in rows
     )
     return Table.from_rows(name, title, cells, f"{note[:1].upper()}{note[1:]}", unfolded=True)
+
+
+def rows_under_own_headings(rows: Iterable[Mapping[str, Cell]], text_heading: str) -> list[Row]:
+    """Return table rows whose keys are the headings; the column ``text_heading`` has text, the others have numbers."""
+    return [{TableColumn(head, head, "", "s" if head == text_heading else "g4"): row[head] for head in row} for row in rows]
+
+
+def stiffness_rows(stiffness: Array, freedoms: Sequence[int] = range(6)) -> list[Row]:
+    """Return table rows of a 6 x 6 stiffness, a row for each force or moment and a column for each motion.
+
+    ``stiffness``: (6, 6) [N, m, rad]. ``freedoms``: numbers of the degrees of freedom that are shown.
+    """
+    return [
+        {"component": FREEDOMS[i], **{("per_unit_of", FREEDOMS[k]): float(stiffness[i, k]) for k in freedoms}}
+        for i in freedoms
+    ]
 
 
 def source_code_hash_by_name() -> dict[str, str]:

@@ -38,9 +38,9 @@ def compute_missing_3d_runs(
     else:
         tasks = jobs.plan_reference_tasks(scenes, STUDIED, with_source_mesh=True, leave_out_each_part=True)
         for name in VARIED:
-            refined = jobs.refinement_variant_names() if name == REFINED else ()
+            refined = jobs.variant_names(refined=True) if name == REFINED else ()
             tasks += jobs.plan_reference_tasks(
-                [cache.built_in_scene(name)], (), (*jobs.modelling_variant_names(), *refined)
+                [cache.built_in_scene(name)], (), (*jobs.variant_names(refined=False), *refined)
             )
         tasks += jobs.plan_reference_tasks([cache.built_in_scene(name) for name in UNSEEN], STUDIED)
         of_cases = (case.import_object(case.references) for case in all_cases() if case.references)

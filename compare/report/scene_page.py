@@ -9,14 +9,14 @@ from __future__ import annotations
 import shlex
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
 from rollbench.compare.gate.user import references_from_file
-from rollbench.compare.measure import LoadError, load_error
+from rollbench.compare.measure import load_error
 from rollbench.compare.models.comparison import solution_from_result
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.model_form import FILE, ExpectedError
@@ -56,8 +56,8 @@ from rollbench.lowfi.statics.tangent import TangentStiffness
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import FREEDOMS, SIDES, Motion, Scene, Time
-from rollbench.reports.content import Figure, LoadedScrew, Panel, Row, Section, Series, Table, TableColumn, Text
+from rollbench.meshes.parts import SIDES, Scene, Time
+from rollbench.reports.content import Figure, LoadedScrew, Panel, Row, Section, Series, Table, Text
 from rollbench.reports.manifest import sha256
 from rollbench.reports.scene_html import ScenePage
 
@@ -142,16 +142,13 @@ def _page_of_highest_pressure_case(
         page = result_page_of_shaft(scene_name, one, stores)
     else:
         page, _ = _page_of_load_case(scene_name, one.described, stores, reference_file, worst)
-    rows: list[Row] = [
-        {TableColumn(key, key, "", "s" if key == "case" else "g4"): value for key, value in row.items()}
-        for row in load_case_rows(found)
-    ]
     answers = found.table()
     lives = (
         f"{row.quantity} {row.value} {row.unit}" for row in answers if row.quantity.startswith("life L10") and row.unit
     )
     life_said = ", ".join(lives) or "not known"
     note = "Life: if only this load case acted. The sections below show the load case with the highest pressure."
+    rows = parts.rows_under_own_headings(load_case_rows(found), "case")
     table = Table.from_rows("cases", "Contact load, pressure, safety and life of each load case", rows, note)
     lost = "".join(f" Case {one} was not solved: {status}." for one, status in whole.unsolved.items())
     cases = count_with_noun(len(solved), "load case")
@@ -196,7 +193,7 @@ def _page_of_load_case(
     solution = solution_from_result(result)
     errors = (error_with_validation_uncertainty(study, scene.name, DEFAULT, q, solution) for q in QUANTITIES)
     judged = [error for error in errors if error is not None]
-    compared = None if given is None else compare_with_reference_file(given, result)
+    clause = "" if given is None else error_against_file_clause(given, result)
     text = parts.scene_file_text(scene_name)
     title = f"Results by the model {DEFAULT}, each with its expected error"
     sections = (
@@ -204,13 +201,13 @@ def _page_of_load_case(
         _loads_section(scene, result, [reference for reference in (given, stored) if reference is not None]),
         _stiffness_section(one, tangent),
         *filter(None, [friction_section(scene, result, options)]),
-        _error_section(scene, worth, judged, stored, compared),
+        _error_section(scene, worth, judged, stored, given, clause),
         parts.warnings_and_assumptions_section(result, warnings),
     )
     page = ScenePage(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure, friction and life by rollbench, model {DEFAULT}",
-        pressure_and_error_sentence(one.worst, worth, judged, stored, compared),
+        pressure_and_error_sentence(one.worst, worth, judged, stored, f"{given.stated}, {clause}" if given else ""),
         (),
         _picture_of_scene(scene, result),
         sections,
@@ -225,31 +222,13 @@ def _page_of_load_case(
     return page, one
 
 
-@dataclass(frozen=True)
-class ReferenceComparison:
-    """Comparison of the computed contact loads with the loads in the user's reference file."""
-
-    #: Errors of the computed loads against those of the file.
-    load_errors: LoadError
-    #: Largest uncertainty that the file states for a load [% of the mean load].
-    largest_uncertainty_percent: float
-    #: Name, origin and uncertainty of the reference, as text.
-    reference_text: str
-
-    @property
-    def largest_error_clause(self) -> str:
-        """Clause that states the largest error of a computed contact load, with ball and flank."""
-        e = self.load_errors
-        return f"loads differ by up to {e.max_percent:.2f} % of the mean load (ball {e.ball} {e.side})"
-
-
-def compare_with_reference_file(file_reference: Reference, result: StaticResult) -> ReferenceComparison:
-    """Compare the computed contact loads with those of the user's reference file.
+def error_against_file_clause(file_reference: Reference, result: StaticResult) -> str:
+    """Return the clause that states the largest error of a computed load against the user's reference file.
 
     ``file_reference``: contact loads of the file. ``result``: the solution.
     """
-    error = load_error(result.load, file_reference.load, file_reference.contacts)
-    return ReferenceComparison(error, largest_uncertainty_percent(file_reference), file_reference.stated)
+    e = load_error(result.load, file_reference.load, file_reference.contacts)
+    return f"loads differ by up to {e.max_percent:.2f} % of the mean load (ball {e.ball} {e.side})"
 
 
 def pressure_and_error_sentence(
@@ -257,7 +236,7 @@ def pressure_and_error_sentence(
     expected_error: ExpectedError,
     measured_errors: Sequence[ErrorWithUncertainty],
     reference: Reference | None,
-    file_comparison: ReferenceComparison | None,
+    file_text: str,
 ) -> str:
     """Return the main result of a scene as one sentence: highest pressure, static safety, and error of the loads.
 
@@ -271,8 +250,8 @@ def pressure_and_error_sentence(
         Errors measured against the stored 3D reference, that of the contact loads first; empty without a reference.
     reference
         Stored 3D reference; None: not stored.
-    file_comparison
-        Comparison with the user's reference file; None: no file.
+    file_text
+        Clause on the errors against the user's reference file; empty: no file.
     """
     if worst is None:
         return "No contact carries load."
@@ -280,8 +259,8 @@ def pressure_and_error_sentence(
         f"The contact with the highest pressure (ball {worst.element} {worst.side}) carries {worst.force:.0f} N at "
         f"{1e-6 * worst.pressure:.0f} MPa, static safety {worst.safety:.2g}"
     )
-    if file_comparison is not None:
-        return f"{text}; {file_comparison.reference_text}, {file_comparison.largest_error_clause}."
+    if file_text:
+        return f"{text}; {file_text}."
     if measured_errors and reference is not None:
         v = measured_errors[0]
         parts = [("numerical uncertainty (mesh)", v.uncertainty.discretisation)]
@@ -351,15 +330,13 @@ def _stiffness_section(found: Result, tangent: TangentStiffness) -> Section:
     title = "Axial rigidity and stiffness"
     if tangent.status != "converged":
         return Section("stiffness", title, (first, Text((f"Tangent stiffness: {tangent.status}.",))))
-    cells: list[Row] = [
-        {"component": name, **{("per_unit_of", other): float(tangent.matrix[i, k]) for k, other in enumerate(FREEDOMS)}}
-        for i, name in enumerate(FREEDOMS)
-    ]
     note = (
         "For displacements [m] and rotations [rad] of the screw at the nut's centre; the rows are forces [N] and moments "
         "[N m]. The supports of the screw are left out, and every other motion is held."
     )
-    second = Table.from_rows("tangent", "Tangent stiffness of the screw in the nut, 6 x 6", cells, note)
+    second = Table.from_rows(
+        "tangent", "Tangent stiffness of the screw in the nut, 6 x 6", parts.stiffness_rows(tangent.matrix), note
+    )
     return Section("stiffness", title, (first, second))
 
 
@@ -368,7 +345,8 @@ def _error_section(
     expected_error: ExpectedError,
     measured_errors: Sequence[ErrorWithUncertainty],
     reference: Reference | None,
-    file_comparison: ReferenceComparison | None = None,
+    file_reference: Reference | None,
+    file_clause: str,
 ) -> Section:
     """Return the section on the errors of the results.
 
@@ -376,13 +354,13 @@ def _error_section(
     whether the scene lies in the range of the scenes that were compared with the 3D reference.
 
     ``expected_error``: expected error, estimated from other scenes. ``measured_errors``: errors measured against the stored
-    3D reference; empty without one. ``reference``: this reference. ``file_comparison``: comparison with the user's
-    reference file; None: no file.
+    3D reference; empty without one. ``reference``: this reference. ``file_reference``: the user's
+    reference file; None: no file. ``file_clause``: clause on the errors against it.
     """
     items: list[Text | Table | Figure] = []
-    if file_comparison is not None:
-        origin, bar = file_comparison.reference_text, file_comparison.largest_uncertainty_percent
-        text = f"{origin[:1].upper()}{origin[1:]}: {file_comparison.largest_error_clause}, uncertain by up to {bar:.2f} %."
+    if file_reference is not None:
+        origin, bar = file_reference.stated, largest_uncertainty_percent(file_reference)
+        text = f"{origin[:1].upper()}{origin[1:]}: {file_clause}, uncertain by up to {bar:.2f} %."
         items.append(Text((text,)))
     if measured_errors and reference is not None:
         levels = ", ".join(str(run.level) for run in reference.runs)
@@ -482,9 +460,10 @@ def friction_section(scene: Scene, result: StaticResult, options: ModelOptions) 
     panels = [_torque_over_coefficient_panel(solved, result), _torque_over_ball_size_panel(solved)]
     notes = [f"{label}: {text}." for label, text in lines_on_friction_of_screw(found)]
     notes += [f"third flank: {text}." for text in found.warnings if text.kind == "third flank"]
-    timed = replace(scene, time=_friction_time_span(scene, motion))
+    angle = 2.0 * np.pi / (scene.ball_count if scene.track.lead == 0.0 else 1.0)
+    time = scene.time or Time(duration=abs(angle / motion.speed), steps=STEPS, goal=1.0, output="torque")
     try:
-        run = simulate_friction_over_time(timed, scene.friction, motion, DEFAULT, options.member)
+        run = simulate_friction_over_time(replace(scene, time=time), scene.friction, motion, DEFAULT, options.member)
     except InputError as error:  # circuits that cannot be
         notes.append(f"The torque over a turn was not computed: {error}.")
     else:
@@ -513,16 +492,6 @@ def friction_section(scene: Scene, result: StaticResult, options: ModelOptions) 
     figure = Figure("friction", drawn, tuple(panels), caption, columns=2)
     losses = Table.from_rows("losses", "Friction losses by contact and cause", rows)
     return Section("friction", title, (Text(tuple(notes), bullets=True), figure, losses))
-
-
-def _friction_time_span(scene: Scene, motion: Motion) -> Time:
-    """Return the time span over which friction is computed: that of the scene or, without one, the time of one turn.
-
-    For a bearing, which has no lead, one turn is replaced by a rotation by one ball pitch. ``motion``: angular speed of the
-    screw, nut or ring.
-    """
-    angle = 2.0 * np.pi / (scene.ball_count if scene.track.lead == 0.0 else 1.0)
-    return scene.time or Time(duration=abs(angle / motion.speed), steps=STEPS, goal=1.0, output="torque")
 
 
 def _torque_over_rotation_panels(run: TransientRun) -> list[Panel]:

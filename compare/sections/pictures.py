@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -182,7 +182,7 @@ def solve_scene_for_pictures(cache: SceneResultCache, step: Step) -> PicturedSol
     It is the ball with the largest load on flank SL (screw left). Contact is possible on SL and NR (nut right) only.
     ``step`` is called with each line of progress. Raises RuntimeError if the solution does not converge.
     """
-    from rollbench.hifi.fields import contact_node_forces_by_flank
+    from rollbench.hifi import fields
     from rollbench.hifi.meshing.part_meshes import mesh_parts
     from rollbench.hifi.reference import solve_reference
     from rollbench.hifi.setup import mesh_and_condense_geometry
@@ -199,9 +199,8 @@ def solve_scene_for_pictures(cache: SceneResultCache, step: Step) -> PicturedSol
     result = solve_reference(setup, scene, sides=sides)
     if not result.contact_solution.converged:
         raise RuntimeError(f"pictures of the 3D reference: {SCENE} on mesh level {LEVEL} was not solved: {result.status}")
-    return PicturedSolution(
-        scene, setup, meshes, result, contact_node_forces_by_flank(setup, result), int(result.contact_loads[:, 0].argmax())
-    )
+    forces, ball_index = fields.contact_node_forces_by_flank(setup, result), int(result.contact_loads[:, 0].argmax())
+    return PicturedSolution(scene, setup, meshes, result, forces, ball_index)
 
 
 def compute_stress_fields(solution: PicturedSolution, step: Step) -> StressFields:
@@ -210,30 +209,24 @@ def compute_stress_fields(solution: PicturedSolution, step: Step) -> StressField
     ``solution``: 3D solution of the scene, which states the number of the ball. ``step`` is called with each line of
     progress.
     """
-    from rollbench.hifi.fields import (
-        nodal_displacements_of_nut,
-        nodal_displacements_of_screw,
-        stress_field_near_ball,
-        stress_field_of_groove_patch,
-        stress_fields_of_ball,
-    )
+    from rollbench.hifi import fields
 
     step("displacements and stresses around the ball")
     setup, meshes, ball, forces = solution.setup, solution.meshes, solution.ball_index, solution.nodal_contact_forces
     scene, reach = solution.scene, 3.2 * setup.groove_map.ball
     u = (
-        nodal_displacements_of_screw(setup, meshes.screw_mesh, forces),
-        nodal_displacements_of_nut(setup, meshes.nut_mesh, forces),
+        fields.nodal_displacements_of_screw(setup, meshes.screw_mesh, forces),
+        fields.nodal_displacements_of_nut(setup, meshes.nut_mesh, forces),
     )
-    of_ball = stress_fields_of_ball(setup, meshes, ball, forces)
+    of_ball = fields.stress_fields_of_ball(setup, meshes, ball, forces)
     centre = np.array([setup.groove_map.R, 0.0, 0.0])
     return StressFields(
         (
-            stress_field_near_ball(setup, meshes.screw_mesh, u[0], ball, scene.screw.material, reach),
-            stress_field_near_ball(setup, meshes.nut_mesh, u[1], ball, scene.nut.material, reach),
+            fields.stress_field_near_ball(setup, meshes.screw_mesh, u[0], ball, scene.screw.material, reach),
+            fields.stress_field_near_ball(setup, meshes.nut_mesh, u[1], ball, scene.nut.material, reach),
         ),
         replace(of_ball[None], points=of_ball[None].points + centre),
-        {s: stress_field_of_groove_patch(setup, meshes, u[s >= 2], ball, s, forces) for s in setup.loaded_flanks},
+        {s: fields.stress_field_of_groove_patch(setup, meshes, u[s >= 2], ball, s, forces) for s in setup.loaded_flanks},
         {s: replace(of_ball[s], points=of_ball[s].points + centre) for s in setup.loaded_flanks},
     )
 
@@ -285,7 +278,7 @@ def screw_and_nut_mesh_picture(solution: PicturedSolution) -> content.FieldPictu
 
     ``solution``: solution of the scene on the coarsest mesh level.
     """
-    from rollbench.hifi.fields import mesh_groove_patch
+    from rollbench.hifi import fields
     from rollbench.hifi.meshing.part_meshes import element_type_of_bodies, rotation_about_z
 
     setup, meshes = solution.setup, solution.meshes
@@ -298,7 +291,7 @@ def screw_and_nut_mesh_picture(solution: PicturedSolution) -> content.FieldPictu
         mesh_part_with_used_nodes(nut.points, nut.cells[behind], kind, NUT),
     ]
     for s in setup.loaded_flanks:
-        mesh = mesh_groove_patch(setup, meshes, s)
+        mesh = fields.mesh_groove_patch(setup, meshes, s)
         for phi, z in zip(setup.ball_positions.azimuth, setup.ball_positions.z, strict=True):
             points = mesh.points @ rotation_about_z(float(phi)).T + np.array([0.0, 0.0, z])
             if s < 2 or points.mean(axis=0) @ toward < 0.0:
@@ -315,12 +308,17 @@ def screw_and_nut_mesh_picture(solution: PicturedSolution) -> content.FieldPictu
         scale_bar=10e-3,
         caption=(
             f"{SCENE}, level {LEVEL}: {len(meshes.screw_mesh.cells)} second-order tetrahedra in the screw and "
-            f"{len(nut.cells)} in the nut; orange: a patch of {len(mesh_groove_patch(setup, meshes, 0).cells)} "
+            f"{len(nut.cells)} in the nut; orange: a patch of {len(fields.mesh_groove_patch(setup, meshes, 0).cells)} "
             "second-order hexahedra at every contact. A single mesh of all bodies, equally fine at the contacts, would "
             f"have {setup.degree_of_freedom_count / 1e6:.2f} million unknowns. Balls are not drawn; the round hollows "
             "along the cut are cross-sections of the nut's groove."
         ),
     )
+
+
+def _mesh_part(piece: SolidField, colour: str, **look: Any) -> content.MeshPart:
+    """Return a part of a picture with the mesh of a field; ``colour``, ``look``: further fields of `MeshPart`."""
+    return content.MeshPart(piece.points, piece.cell_nodes, piece.element_type, colour=colour, **look)
 
 
 def _mesh_parts_around_ball(stresses: StressFields, *, colour_by_stress: bool) -> tuple[content.MeshPart, ...]:
@@ -329,19 +327,15 @@ def _mesh_parts_around_ball(stresses: StressFields, *, colour_by_stress: bool) -
     ``stresses``: these meshes with their stress fields. ``colour_by_stress``: whether the parts are coloured by the von
     Mises stress [MPa]; if not, the edges of their cells are drawn.
     """
-
-    def coloured(piece: SolidField, colour: str) -> content.MeshPart:
-        stress = MPA * piece.von_mises if colour_by_stress else None
-        return content.MeshPart(
-            piece.points, piece.cell_nodes, piece.element_type, stress, colour, edges=not colour_by_stress, outline=True
-        )
-
-    return (
-        coloured(stresses.screw_and_nut[0], STEEL),
-        coloured(stresses.screw_and_nut[1], NUT),
-        coloured(stresses.ball_mesh, BALL),
-        *(coloured(x, FINE) for x in stresses.groove_patches.values()),
-        *(coloured(x, FINE_BALL) for x in stresses.ball_patches.values()),
+    pieces = [
+        *zip(stresses.screw_and_nut, (STEEL, NUT), strict=True),
+        (stresses.ball_mesh, BALL),
+        *((patch, FINE) for patch in stresses.groove_patches.values()),
+        *((patch, FINE_BALL) for patch in stresses.ball_patches.values()),
+    ]
+    look: dict[str, Any] = {"edges": not colour_by_stress, "outline": True}
+    return tuple(
+        _mesh_part(x, colour, values=MPA * x.von_mises if colour_by_stress else None, **look) for x, colour in pieces
     )
 
 
@@ -392,10 +386,7 @@ def groove_mesh_picture(solution: PicturedSolution, stresses: StressFields) -> c
     point, b = nominal_contact_point(solution, 0), solution.setup.groove_map.ball
     normal = point - np.array([solution.setup.groove_map.R, 0.0, 0.0])
     body, patch = stresses.screw_and_nut[0], stresses.groove_patches[0]
-    parts = (
-        content.MeshPart(body.points, body.cell_nodes, body.element_type, colour=STEEL, line=1.8),
-        content.MeshPart(patch.points, patch.cell_nodes, patch.element_type, colour=FINE, line=1.5),
-    )
+    parts = _mesh_part(body, STEEL, line=1.8), _mesh_part(patch, FINE, line=1.5)
     return content.FieldPicture(
         "mesh-contact",
         f"Mesh of the screw's groove at the contact of ball {solution.ball_index + 1}",
@@ -420,7 +411,7 @@ def ball_mesh_picture(solution: PicturedSolution, stresses: StressFields) -> con
     m = solution.setup.groove_map
     centre = np.array([m.R, 0.0, 0.0])
     coloured = [(stresses.ball_mesh, BALL), *((patch, FINE_BALL) for patch in stresses.ball_patches.values())]
-    parts = [content.MeshPart(x.points, x.cell_nodes, x.element_type, colour=c, line=1.5) for x, c in coloured]
+    parts = [_mesh_part(x, colour, line=1.5) for x, colour in coloured]
     sight = (nominal_contact_point(solution, 0) - centre) / m.ball + 0.75 * y3
     return content.FieldPicture(
         "mesh-ball",
@@ -448,7 +439,7 @@ def solve_ball_contact_pressures(cache: SceneResultCache, name: str) -> tuple[in
     index of the ball, from 0, and the pressures by name of the contact, such as "ball 5, SL" (SL: left flank of the screw's
     groove).
     """
-    from rollbench.hifi.fields import contact_pressures_of_ball
+    from rollbench.hifi import fields
 
     scene, found = cache.built_in_scene(name), cache.stored_reference(name)
     if found is not None:
@@ -457,7 +448,7 @@ def solve_ball_contact_pressures(cache: SceneResultCache, name: str) -> tuple[in
         low = cache.solve_once(name, DEFAULT)
         load, angle = low.load, low.contact_angle
     ball = int(load[:, (load > 0.0).any(axis=0)].min(axis=1).argmax())
-    pressures = contact_pressures_of_ball(scene, mesh_settings([scene], FINE_LEVEL), ball, load[ball], angle[ball])
+    pressures = fields.contact_pressures_of_ball(scene, mesh_settings([scene], FINE_LEVEL), ball, load[ball], angle[ball])
     return ball, {f"ball {ball + 1}, {SIDES[s]}": x for s, x in pressures.items()}
 
 
@@ -494,14 +485,14 @@ def von_mises_caption(solution: PicturedSolution, stresses: StressFields) -> str
 
     ``solution``: solution of the scene, which states the number of the ball. ``stresses``: stress fields around this ball.
     """
-    from rollbench.hifi.fields import pressure_from_nodal_forces, von_mises_below_hertz_contact
+    from rollbench.hifi import fields
 
     setup = solution.setup
     side = setup.loaded_flanks[0]
     patch, forces = setup.patches_by_flank[side].groove_patch, solution.nodal_contact_forces[side][solution.ball_index]
-    h = pressure_from_nodal_forces(solution.scene, setup.groove_map, side, patch, forces).hertz_solution
+    h = fields.pressure_from_nodal_forces(solution.scene, setup.groove_map, side, patch, forces).hertz_solution
     depth = np.linspace(0.2, 1.6, 141) * min(h.semi_x, h.semi_y)
-    closed = von_mises_below_hertz_contact(h, depth, solution.scene.balls.material.poissons_ratio)
+    closed = fields.von_mises_below_hertz_contact(h, depth, solution.scene.balls.material.poissons_ratio)
     top, at = float(closed.max()), float(depth[closed.argmax()])
     return (
         f"Largest nodal values: {MPA * stresses.groove_patches[0].von_mises.max():.0f} MPa in the groove and "

@@ -313,7 +313,7 @@ def modelling_uncertainty_table(cache: SceneResultCache) -> Table | None:
         {"modelling_choice": choice, **{("change_of_scene", name): value for name, value in of_scenes.items()}}
         for choice, of_scenes in values.items()
     ]
-    reasons = dict.fromkeys(missing, "no run with this variation is stored") | {n.choice: n.reason for n in NOT_VARIED}
+    reasons = dict.fromkeys(missing, "no run with this variation is stored") | NOT_VARIED
     rows += [{"modelling_choice": f"{choice}: not varied", "why_not_varied": why} for choice, why in reasons.items()]
     note = (
         "The effects of the choices are independent and of unknown sign, so on each contact they are combined as the root "

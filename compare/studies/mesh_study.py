@@ -334,7 +334,7 @@ def compute_references_on_levels(
         allowed = "the varied modelling choices of this option only for scenes with a single nut or bearing"
         raise ArgumentError("spread", given, allowed, "leave `spread` out")
     if spread:
-        tasks += [t for s in scenes for t in jobs.plan_reference_tasks([s], (), jobs.modelling_variant_names())]
+        tasks += [t for s in scenes for t in jobs.plan_reference_tasks([s], (), jobs.variant_names(refined=False))]
 
     def show_loads_of_coarsest_level(task: ReferenceTask) -> None:
         """Show the contact loads by the coarsest mesh level while finer levels are computed."""
