@@ -432,14 +432,12 @@ class PressureMap:
 
 @dataclass(frozen=True)
 class Text:
-    """Text of a section: paragraphs or a bulleted list, with an optional heading."""
+    """Text of a section: paragraphs or a bulleted list."""
 
     #: Paragraphs of plain text.
     paragraphs: Sequence[str]
     #: Whether the paragraphs are items of a bulleted list.
     bullets: bool = False
-    #: Heading above the paragraphs.
-    heading: str = ""
 
 
 @dataclass(frozen=True)
