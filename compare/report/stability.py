@@ -206,10 +206,12 @@ def random_screw_error_figure(screw_records: Sequence[Mapping[str, Any]]) -> Fig
         Panel("Distribution of the error", error, "screws", bars, log_axes="x", include_zero=True),
         Panel("Error near a nut face", distance, error, points, log_axes="y"),
     )
-    near = "; ".join(
-        f"{_median_errors_near_faces_text(errors)} with {NAMES.get(name, name)}" for name, errors in found.items()
-    )
-    title = f"Median of the largest contact-load error on a screw, in per cent of the mean load: {near}"
+    medians = []
+    for name, errors in found.items():
+        near = errors[:, 0] < NEAR
+        texts = (f"{np.median(errors[one, 1]):.2g} %" for one in (near, ~near) if one.any())
+        medians.append(f"{' and '.join(texts)} with {NAMES.get(name, name)}")
+    title = f"Median of the largest contact-load error on a screw, in per cent of the mean load: {'; '.join(medians)}"
     return Figure(
         "survey",
         title,
@@ -218,15 +220,6 @@ def random_screw_error_figure(screw_records: Sequence[Mapping[str, Any]]) -> Fig
         f"ball closer than {NEAR:g} ball radii to a nut face, the second for the other screws. First panel: histogram of "
         "the errors on a logarithmic abscissa.",
     )
-
-
-def _median_errors_near_faces_text(errors: Array) -> str:
-    """Return two median errors as text: of screws with a ball closer than `NEAR` to a nut face, and of the other screws.
-
-    ``errors``: distance of the outermost ball [ball radii] and largest error [% of the mean load] of n screws, (n, 2).
-    """
-    near = errors[:, 0] < NEAR
-    return " and ".join(f"{np.median(errors[one, 1]):.2g} %" for one in (near, ~near) if one.any())
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study

@@ -18,7 +18,7 @@ from rollbench.compare.case import Case
 from rollbench.compare.errors import InputError
 from rollbench.compare.evidence import PrintedEntryComparison, all_computations, join_remarks, publication_title_of
 from rollbench.compare.measure import error_percent
-from rollbench.compare.printed import VERDICT_NAMES, PrintedEntry, load_printed_table, printed_entry
+from rollbench.compare.printed import VERDICT_NAMES, load_printed_table, printed_entry
 from rollbench.compare.sections.verdicts import error_for_table_cell
 from rollbench.reports.content import Row, Table, TableColumn
 
@@ -51,11 +51,6 @@ class PrintedLayout:
     def names(self) -> list[str]:
         """Names ("table:key") of the printed numbers in the table, row by row, without empty cells."""
         return [name for _, names in self.rows for name in names if name]
-
-    @property
-    def across(self) -> list[tuple[str, ...]]:
-        """Names of the printed numbers of each row, in the order of the columns; an empty text for an empty cell."""
-        return [names for _, names in self.rows]
 
     def stem(self, what: str = "") -> str:
         """Return the file name, without ending, that this table has in the report.
@@ -152,8 +147,9 @@ def printed_and_computed_table_in_layout(
         Texts that replace computed values, such as measured run times, by name of the printed number.
     """
     rows: list[Row] = []
-    has_labels, columns = any(label for label, _ in layout.rows), list(zip(*layout.across, strict=True))
-    across, down = ([_printed_units(names, evidence_by_name) for names in by] for by in (layout.across, columns))
+    across_names = [names for _, names in layout.rows]
+    has_labels, columns = any(label for label, _ in layout.rows), list(zip(*across_names, strict=True))
+    across, down = ([_printed_units(names, evidence_by_name) for names in by] for by in (across_names, columns))
     of_row, of_column = (all(len(several) == 1 for several in by) for by in (across, down))  # else a unit with each number
     filled = [[evidence_by_name[name] for name in names if name] for names in columns]
     shown = {
@@ -250,7 +246,9 @@ def printed_and_computed_table(
                 f = evidence_by_name[name]
                 base = _printed_and_computed_row(layout, f, reasons_without_3d_value.get(name, ""))
                 row = base | {q: None for q in further if q not in base} | further_cells.get(name, {})
-                reason = join_remarks(f.reason, _tolerance_band_text(f.printed))
+                p = f.printed
+                band = "" if None in (p.low, p.high) else f"Tolerance band: {p.low:g} to {p.high:g}. {p.origin_of_limits}"
+                reason = join_remarks(f.reason, band)
                 remark = remarks.setdefault(reason, len(remarks) + 1) if reason else None
                 first: Row = {"printed_quantity": label or f.printed.label}
                 first["printed_column"] = "" if head == "Value" or not label else head
@@ -286,12 +284,6 @@ def _printed_and_computed_row(layout: PrintedLayout, evidence: PrintedEntryCompa
         "off_solid": _percent_error_or_none(evidence.reference, p.value),
         "off_reference": _percent_error_or_none(value, evidence.reference),
     }
-
-
-def _tolerance_band_text(printed_number: PrintedEntry) -> str:
-    """Return as text the tolerance band of a printed number and the origin of the band; empty without a band."""
-    p = printed_number
-    return "" if p.low is None or p.high is None else f"Tolerance band: {p.low:g} to {p.high:g}. {p.origin_of_limits}"
 
 
 def _percent_error_or_none(value: float | None, reference: float | None) -> float | None:
@@ -374,9 +366,7 @@ def _sort_key_of_place(place: str) -> tuple[bool, list[int], str]:
     return letter is not None, [*numbers[:1], int(in_text), *numbers[1:]], text
 
 
-def counts_of_reproduced_numbers_table(
-    entries: Sequence[PrintedEntryComparison], name: str = "printed-by-table", *, unfolded: bool = False
-) -> Table:
+def counts_of_reproduced_numbers_table(entries: Sequence[PrintedEntryComparison], name: str = "printed-by-table") -> Table:
     """Return the table that counts the printed and the reproduced numbers of each table and section of publications.
 
     Parameters
@@ -385,8 +375,6 @@ def counts_of_reproduced_numbers_table(
         Printed and computed values.
     name
         File name of the table in the report.
-    unfolded
-        Whether the table is shown in full length.
     """
     groups: dict[str, list[PrintedEntryComparison]] = {}
     for f in entries:
@@ -403,7 +391,7 @@ def counts_of_reproduced_numbers_table(
         "is zero by symmetry or definition); only results can be reproduced. The table printed shows every number."
     )
     title = "Number of printed values in each table and section of the publications, and how many are reproduced"
-    return Table.from_rows(name, title, rows, note, unfolded=unfolded)
+    return Table.from_rows(name, title, rows, note)
 
 
 def _reproduced_counts_row(place: str, entries: Sequence[PrintedEntryComparison]) -> Row:
