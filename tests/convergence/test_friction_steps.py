@@ -8,6 +8,8 @@ from tests.friction_runs import crowded, setting, sparse
 
 from rollbench.lowfi.friction.screw import travel
 
+pytestmark = pytest.mark.xdist_group("steps of friction")
+
 
 def test_smooth_motion_is_of_second_order():
     runs = [travel.simulate(setting(sparse()), 0.5, n) for n in (8, 16, 32, 64)]

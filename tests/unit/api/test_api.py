@@ -69,24 +69,6 @@ def test_the_stiffness_is_there_without_an_axial_force() -> None:
     assert found.nut.displacement is found.load_point.secant is None
 
 
-@pytest.mark.slow
-def test_fields_of_several_sets(command) -> None:
-    found, data = rollbench.solve("double-nut", "lin"), command.answer("solve", "double-nut", "--model", "lin")
-    assert [*found.sets] == [one["name"] for one in data["sets"]]
-    np.testing.assert_allclose(found.loads, balls_of(data, "load_N", len(data["balls"])))
-    np.testing.assert_array_equal(found.loads, np.concatenate([one.loads for one in found.sets.values()]))
-    for one, printed in zip(found.sets.values(), data["sets"], strict=True):
-        np.testing.assert_allclose(one.force, printed["force_on_shaft_N"])
-        assert 1e-6 * one.worst.pressure == pytest.approx(printed["summary"]["worst_contact"]["pressure_MPa"])
-        assert pytest.approx(printed["summary"]["life"]["L10_million_revolutions"]) == 1e-6 * one.life.L10
-        assert one.preload.mean == pytest.approx(printed["summary"]["preload"]["mean_N"])
-        assert one.stiffness.shape == (6, 6)
-    assert 1e6 * found.displacement[2] == pytest.approx(data["summary"]["load_point"]["displacement_um"])
-    assert 1e-6 * found.nut.tangent == pytest.approx(data["summary"]["nut"]["tangent_N_per_um"])
-    assert min(one.life.L10 for one in found.sets.values()) == found.life.L10
-    assert found.columns()["set"].count("nut 2") == len(found.sets["nut 2"].loads)
-
-
 WORST = [("lin-random", 2), ("unseen-40x10", 0), ("axis-fixed-fixed", 0)]
 
 

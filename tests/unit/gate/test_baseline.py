@@ -18,23 +18,6 @@ def row(word: str, error: float, quantity: str = "largest error", scene: str = "
     return VerdictRow(scene, "a.csv", quantity, Judgement(word), error, 0.1, limit, 4, "SL", unit=unit)
 
 
-def test_what_changed_is_said(tmp_path) -> None:
-    before = [row("pass", -5.1), row("pass", 1.234, scene="same"), row("pass", 0.2, "contact angle")]
-    (tmp_path / "old.csv").write_text(publish.verdicts_csv([*before, row("pass", 2, "life")]), encoding="utf-8")
-    after = [row("undecided", 6.8), row("pass", 1.2341, scene="same"), row("fail", 1.3, "contact angle")]
-    found = [c.line() for c in publish.verdict_changes_since_file(tmp_path / "old.csv", [*after, row("pass", 3, "torque")])]
-    assert found == [
-        "mine: largest error 5.10 -> 6.80 %, limit 7, pass -> undecided",
-        "mine: contact angle 0.20 deg -> 1.30 deg, limit 1 deg, pass -> fail",
-        "mine: life: removed, was pass",
-        "mine: torque: new, pass",
-    ]
-    assert publish.verdict_changes_since_file(tmp_path / "old.csv", [*before, row("pass", 2, "life")]) == []
-    tighter = replace(before[0], judgement=Judgement.FAIL, limit=3.0)
-    (change,) = publish.verdict_changes_since_file(tmp_path / "old.csv", [tighter, *before[1:], row("pass", 2, "life")])
-    assert change.as_json()["limit"] == "3"  # that of today
-
-
 def test_the_command_tells_what_changed_since_a_file_of_either_form(command, tmp_path) -> None:
     old, new = tmp_path / "old.csv", tmp_path / "gate.md"
     check = "check", "two-balls", "--no-compute"

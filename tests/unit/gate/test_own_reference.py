@@ -7,8 +7,7 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate.user import read_reference_file, uncertainty_warning
-from rollbench.compare.reference import estimate, store
-from rollbench.compare.report.scene_page import solve_and_make_page
+from rollbench.compare.reference import estimate
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import SIDES
 
@@ -110,18 +109,3 @@ def test_compare_sets_models_and_ours_beside_it(command, tmp_path) -> None:
     assert (scene["levels"], scene["uncertainty_percent"]) == ([], pytest.approx(1.0))
     moved = {name: answer["load_point"]["displacement_um"] for name, answer in scene["answers"].items()}
     assert (moved["bench.csv"], moved["stored 3D reference"] is None) == (None, False)
-
-
-def test_the_page_of_a_scene_shows_both(tmp_path) -> None:
-    file = written(tmp_path / "bench.csv", "# uncertainty: 30 %", factor=1.2)
-    page, _ = solve_and_make_page(SCENE, (store.shipped_store(),), file)
-    assert "against bench.csv, uncertain by 30 % of the mean load" in page.verdict
-    assert "exceeds the error limit" in page.warnings[0]
-    assert page.provenance["reference"].startswith("bench.csv, SHA-256 ")
-    figure, table = next(part for part in page.parts if part.name == "loads").items
-    shown = {one.label: one for one in figure.panels[1].series}
-    assert [*shown] == ["refined", "bench.csv", "3D reference"]
-    low, high = shown["bench.csv"].error_bars
-    assert high[1] - low[1] == pytest.approx(0.6 * estimate.reference_of_scene(GIVEN).mean, rel=0.2)
-    heads = " ".join(column.label for column in table.heads.values())
-    assert all(name in heads for name in ("bench.csv", "3D reference"))

@@ -74,15 +74,6 @@ def test_a_patch_is_as_long_as_a_contact_that_its_lead_sets_askew():
     assert "skew contacts" not in settings_with_larger_patches(setup, [run], 5)[1], "that many steps would do"
 
 
-@pytest.mark.parametrize("angle", [40.0, 45.0])
-def test_on_a_ring_nothing_is_askew(angle):
-    ring = GrooveMap.from_scene(catalogue.scene("bearing-9"))
-    beta, b = np.array([np.radians(angle)]), np.array([1e-5])
-    r = float(ring.R - ring.ball * np.cos(ring.beta))
-    found = part_meshes.reach_of_ellipses_along_groove(ring, 0, beta, np.array([1e-4]), b)
-    assert found == pytest.approx(1e-5 * ring.R / r, rel=0.02)
-
-
 def test_patches_that_fill_the_flank_are_not_built_again():
     larger, words = settings_with_larger_patches(prepared(reach=(1.568e-3, 0.2e-3)), [found(1.0)], 2)
     assert larger is None

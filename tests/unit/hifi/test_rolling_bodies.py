@@ -9,10 +9,9 @@ from tests.rolling_scenes import linear_pair
 
 from rollbench.hifi.contact.hertz import solve_hertz
 from rollbench.hifi.rolling import balls, bodies, verification
-from rollbench.hifi.rolling.contact_bodies import ContactZone, Groove, mesh_grooved_bar, mesh_half_space, mesh_whole_ball
+from rollbench.hifi.rolling.contact_bodies import ContactZone, Groove, mesh_half_space, mesh_whole_ball
 from rollbench.hifi.rolling.patch import ComplianceKernel, create_cell_grid, displacement_by_rectangle, monomial_values
 from rollbench.hifi.rolling.scenes import relative_radius_along
-from rollbench.meshes.fem import node_coordinates
 
 pytestmark = pytest.mark.xdist_group("helped by processes")
 
@@ -141,19 +140,6 @@ def test_the_contact_of_two_balls_is_a_point_to_them():
     spun = replace(found, friction_solution=replace(found.friction_solution, motions=motions))
     force, loss = verification.compare_ball_friction_with_point(replace(scene, young=1e-5 * scene.young), spun, 0)
     assert force < 0.9 < 1.1 < loss
-
-
-def test_a_bent_bar_is_a_ring_and_zones_and_bars_that_do_not_fit_are_refused():
-    """Curvature of its surface along the track at the contact, concave and convex."""
-    for bend in (20.0, -20.0):
-        body = mesh_grooved_bar(Groove(R, 1.12 * R, 0.8, 1.4, bend), 2.0 * R, ZONE)
-        p = node_coordinates(body.mesh)[body.contact_nodes]
-        x, z = p[np.abs(p[:, 1]) < 1e-9][:, [0, 2]].T
-        assert z == pytest.approx(-0.5 * bend * x**2, rel=1e-3, abs=1e-12)
-    with pytest.raises(ValueError, match="does not fit"):
-        mesh_whole_ball(R, ContactZone((4e-3, 4e-3), (2, 2), 3.0))
-    with pytest.raises(ValueError, match="would reach the ring's axis"):
-        mesh_grooved_bar(Groove(R, 1.12 * R, 0.8, 1.4, -100.0), 8.0 * R, ZONE)
 
 
 def test_rolling_on_finite_bodies_balances_and_loses_what_is_put_in():

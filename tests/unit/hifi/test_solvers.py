@@ -1,8 +1,6 @@
 """Sparse matrices: order and supernodes against the pattern of a dense elimination, solvers against dense algebra,
 multifrontal elimination against solutions with a stored factor, and refusals."""
 
-import signal
-
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -87,25 +85,6 @@ def test_supernodes_of_any_size_solve_and_hold_little_more_than_the_factor(matri
     assert least <= held <= {1: 1.05, 6: 1.8, 32: 3.0}[leaf] * least
     rhs = np.random.default_rng(0).standard_normal(matrix.shape[0])
     assert np.linalg.norm(matrix @ factorise_positive_definite(matrix)(rhs) - rhs) < 1e-12 * np.linalg.norm(rhs)
-
-
-@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals of POSIX")
-def test_term_during_the_ordering_ends_as_elsewhere(monkeypatch) -> None:
-    """METIS turns SIGTERM into an error of its own and leaves it blocked."""
-
-    def blocked():
-        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
-        raise RuntimeError("Caught an unknown exception!")
-
-    answers = iter([blocked, lambda: (np.arange(125), np.arange(125))])
-    monkeypatch.setattr("pymetis.nested_dissection", lambda *_, **__: next(answers)())
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            linear_algebra.find_elimination_order(springs(5))
-    finally:
-        signal.signal(signal.SIGTERM, before)
-        assert signal.SIGTERM not in signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
 
 
 @pytest.mark.usefixtures("_method")

@@ -11,12 +11,11 @@ from rollbench.hifi.condensation import nut_freedoms_from_free_ones
 from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form
 from rollbench.hifi.linear_algebra import factorise_positive_definite
 from rollbench.meshes.exchange import whole_bodies
-from rollbench.meshes.exchange.whole_bodies import ElementSizesNearPoints, HalfRingSurface, mesh_whole_body
+from rollbench.meshes.exchange.whole_bodies import ElementSizesNearPoints, mesh_whole_body
 from rollbench.meshes.fem import largest_arc_deviation, node_coordinates, nodes_on_boundaries
 from rollbench.meshes.groove import GroovedBodySpec, outer_surfaces_of_flanged_nut
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDES, Flange
-from rollbench.meshes.shell import ClosedSurfaceMesh
 from rollbench.meshes.sockets import RefinementBoxSize
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
@@ -64,14 +63,6 @@ def test_a_half_ball_is_half_of_the_ball(sign):
     assert np.abs(half.points[half.nodes_of_boundaries["cut"]][:, 1]).max() < 1e-15
     sphere = half.points[half.nodes_of_boundaries["sphere"]]
     np.testing.assert_allclose(np.linalg.norm(sphere, axis=1), MAP.ball, rtol=1e-12)
-
-
-def test_a_helix_and_a_ring_without_bore_are_not_halved():
-    spec, _ = ring(True)
-    shell = ClosedSurfaceMesh(None, lambda x: np.ones(len(x)), 1e-3, 6)
-    for m, body in ((replace(MAP, rg=1e-3), spec), (MAP, replace(spec, inner_radius=0.0))):
-        with pytest.raises(ValueError, match="ring with a bore"):
-            HalfRingSurface(shell, m, body)
 
 
 def body(flange: Flange | None):  # type: ignore[no-untyped-def]

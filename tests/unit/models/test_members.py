@@ -2,23 +2,19 @@
 numbers whatever the number of workers."""
 
 import csv
-import pickle
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy import integrate
 from scipy.stats import binom, norm
-from tests.axes import double_nut, fixed_axis
+from tests.axes import fixed_axis
 from tests.helpers import with_ingredients
 
-from rollbench.compare.errors import InputError
 from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import run_model
 from rollbench.compare.models.stiffness import stiffness_of_scene
-from rollbench.compare.reference import parallel
-from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.results.data import output_statistics
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.catalogue import shipped_scene_text
@@ -48,24 +44,6 @@ def test_members_are_the_single_solves():
     off = np.abs(spread.load_quantiles(0.5) - np.median(loads, axis=0))
     assert (off[loads[0] > 0.0] <= spread.width).all()
     assert not found.status_of_failed_draws
-
-
-def test_the_same_numbers_whatever_block_is_done_first(monkeypatch):
-    """Blocks done in any order, which travel as those of other processes do; another seed gives other members."""
-    count = 4 * members.LEAST + 10
-    alone = solved(RANDOM, count)
-    other = replace(RANDOM, errors=replace(RANDOM.errors, seed=1))
-    assert not np.array_equal(alone.outputs, solved(other, count).outputs)
-
-    def backwards(jobs, *_):
-        for k, (function, arguments) in reversed(list(enumerate(jobs))):
-            yield k, pickle.loads(pickle.dumps(function(*arguments)))
-
-    monkeypatch.setattr(parallel, "run_jobs", backwards)
-    shared = members.solve_random_draws_of_scene(RANDOM, "lin", count, ComputingSettings(parallel_jobs=2))
-    assert np.array_equal(alone.outputs, shared.outputs)
-    for name in ("mean_loads", "standard_deviation", "smallest_loads", "largest", "counts"):
-        assert np.array_equal(getattr(alone.load_distributions, name), getattr(shared.load_distributions, name)), name
 
 
 def test_moments_of_balls_between_rigid_rings():
@@ -188,23 +166,6 @@ def test_sets_draw_errors_of_their_own(tmp_path):
         file.write_text(text_of_sets(said))
         one, other = ball_positions_with_errors(catalogue.scene_of_any_kind(str(file)), member=3)
         assert np.array_equal(one[1].ball_radii, other[1].ball_radii) == alike
-
-
-@pytest.mark.parametrize(
-    ("parts", "model", "count", "words"),
-    [
-        (catalogue.scene("lin-case1"), "lin", 5, "random"),
-        (RANDOM, "x", 5, "x"),
-        (RANDOM, "lin", 1, "2 to"),
-        (replace(RANDOM, supports=()), "lin", 3, "not held"),
-        (double_nut(), "lin", 3, "no random error"),
-        (drawn_sets(double_nut()), "mei", 3, "model: got .mei"),
-        (drawn_sets(double_nut()), "lin", 1, "2 to"),
-    ],
-)
-def test_what_cannot_be_is_refused(parts, model, count, words):
-    with pytest.raises(InputError, match=words):
-        members.solve_random_draws_of_scene(parts, model, count)
 
 
 def test_the_command_gives_statistics_of_each_set(tmp_path, command):

@@ -14,7 +14,6 @@ from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.model_form import estimate_model_error
 from rollbench.compare.models.registry import run_model
 from rollbench.compare.models.study import SceneResultCache
-from rollbench.compare.quantities import record_as_json
 from rollbench.compare.reference.estimate import largest_uncertainty_percent
 from rollbench.compare.sections.fit import validated_range_table
 from rollbench.compare.sections.u_val import bias_and_scatter
@@ -24,27 +23,6 @@ pytestmark = pytest.mark.xdist_group("u_val")
 
 STUDY = SceneResultCache()
 KNOWN = {"lin-case1": (1.5, "lands"), "lin-case3": (2.5, "held face")}
-WHOLE = uncertainty.Uncertainty(
-    discretisation=0.3,
-    choices=2.5,
-    largest_choice="held face",
-    inputs=0.4,
-    largest_input="angle, where there is one",
-    second_order=1.2,
-    shared=True,
-)
-
-
-def test_parts_add_by_squares_and_the_largest_are_named() -> None:
-    assert WHOLE.total == pytest.approx(np.sqrt(0.3**2 + 2.5**2 + 0.4**2 + 1.2**2))
-    parts = ("together 2.82 %", "modelling choices 2.50 %, mainly held face", "input (tolerances) 0.40 %, mainly angle")
-    for words in parts:
-        assert words in WHOLE.words
-    less = replace(WHOLE, choices=None, largest_choice="", inputs=None, by_experience=True, shared=False)
-    assert less.total == pytest.approx(np.hypot(0.3, 1.2))
-    assert "estimated from other scenes; modelling choices not known; input (tolerances) not known" in less.words
-    assert (WHOLE.shared_error_sentence == "", less.shared_error_sentence) == (False, "")
-    assert record_as_json(less)["modelling_dominated_by"] is None
 
 
 def test_choices_speak_for_scenes_of_their_parts_or_else_the_largest() -> None:

@@ -5,7 +5,6 @@ import math
 import pytest
 
 from rollbench.compare import printed as printed_data
-from rollbench.compare.errors import InputError
 from rollbench.compare.scenes import catalogue
 
 TABLES = printed_data.printed_table_names()
@@ -80,36 +79,3 @@ def test_good_rows():
     found = plain.value, plain.tolerance, plain.number_as_printed, plain.place, plain.entry_class
     assert found == (1.2, 0.005, "1.20", "S, T", "hard")
     assert (loose.tolerance, band.low, band.high) == (0.1, 0.75, 1.25)
-
-
-#: Faulty texts by the key at fault.
-FAULTY = {
-    "row[0].class": (ROW.replace('"hard"', '"firm"'), ROW.replace('class = "hard"', "")),
-    "row[0].key": (ROW.replace('key = "a"', ""),),
-    "row[0].label": (ROW.replace('label = "b"', 'label = ""'),),
-    "row[0].printed": (
-        *(ROW.replace('printed = "1.20"', ""), ROW + 'claim = "both"\n'),
-        *(ROW.replace('"1.20"', other) for other in ('"1,20"', "1.20", '"nan"')),
-    ),
-    "row[0].origin": (BAND,),
-    "row[0].low": (
-        *(BAND + f'origin = "x"\n{ends}' for ends in ("low = 0.8\nhigh = 1.4\n", "low = 0\nhigh = 1.21\n")),  # cannot fail
-        *(BAND + 'origin = "x"\n', BAND + 'origin = "x"\nlow = 2\nhigh = 1\n', ROW + "low = 1\n"),
-    ),
-    "row[0].high": (ROW + "high = 1\n",),
-    "row[0].remark": (ROW.replace('"hard"', '"as-printed"'),),
-    "row[0].kind": (ROW + 'kind = "claim"\n', ROW.replace('"hard"', '"input"') + 'kind = "zero"\n'),
-    "row[0].tolerance": tuple(f"{ROW}tolerance = {value}\n" for value in ("-1", "nan", '"1"')),
-    "row[0].verdict": (ROW + 'verdict = "good"\n',),
-    "row[0].contradicted": (ROW + 'contradicted = "so"\n',),
-    "row[0].colour": (ROW + 'colour = "red"\n',),
-    "row[1].key": (ROW + ROW,),
-    "file": ('title = "none"\n', "row = 3\n", "[[row]\n"),
-}
-
-
-@pytest.mark.parametrize(("text", "key"), [(text, key) for key, texts in FAULTY.items() for text in texts])
-def test_faulty_rows_are_refused(text, key):
-    with pytest.raises(InputError) as caught:
-        printed_data.parse_printed_table(text, "t")
-    assert (caught.value.key, caught.value.file, "\n" in str(caught.value)) == (key, "t.toml", False)

@@ -39,17 +39,3 @@ def test_moments_to_first_order():
     touch = found.values_at("displacement", load) - errors.max(axis=1) / chain.approach_per_motion
     # motion: that without errors less the mean error
     assert touch == pytest.approx(state.motion[0] - errors.mean(axis=1) / chain.approach_per_motion, rel=1e-5)
-
-
-def test_percentiles_have_the_sampling_error_of_repeated_samples():
-    sample = np.arange(1000.0)
-    inside, beyond = (ensemble.percentile_rank(sample, value) for value in (249.5, 5000.0))
-    places = inside, beyond, ensemble.percentile_rank(np.zeros(100), 0.0)
-    assert [(p.percent, p.tail_probability) for p in places] == [(25.0, 0.25), (100.0, 0.0), (50.0, 1.0)]
-    assert inside.standard_error == pytest.approx(100 * np.sqrt(0.25 * 0.75 / 1000), rel=1e-2)
-    assert beyond.standard_error > 0.0
-    assert beyond.tail_bound == pytest.approx(2.7 / 1000, rel=0.01)
-    assert ensemble.percentile_rank(sample, 10.0, 0.5).tail_probability == 0.011
-    rng = np.random.default_rng(0)
-    places = [ensemble.percentile_rank(rng.random(400), 0.9).percent for _ in range(400)]
-    assert np.std(places) == pytest.approx(ensemble.percentile_rank(rng.random(400), 0.9).standard_error, rel=0.2)

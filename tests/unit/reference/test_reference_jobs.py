@@ -1,9 +1,6 @@
 """Jobs of the 3D reference: plan, what is missing, what is kept and told, levels of the command line; what a run is
 expected to take, and what an interrupt leaves."""
 
-import os
-import stat
-import sys
 from dataclasses import replace
 from pathlib import Path
 from unittest.mock import Mock
@@ -12,25 +9,19 @@ import numpy as np
 import pytest
 from tests.reference_records import bodies_of, run_of
 
-from rollbench.compare import files, running
-from rollbench.compare.commands import compare as study
 from rollbench.compare.commands.compare import exit_code_of_references, parse_levels
-from rollbench.compare.commands.mesh_study import study_mesh_levels
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate.verdict import ErrorLimits, judge_contact_loads
 from rollbench.compare.models.uncertainty import uncertainty_of_loads
 from rollbench.compare.reference import computing, jobs
 from rollbench.compare.reference.estimate import reference_from_runs
-from rollbench.compare.reference.jobs import TaskProgress, check_memory, expected_time_and_memory
+from rollbench.compare.reference.jobs import check_memory, expected_time_and_memory
 from rollbench.compare.reference.store import Run, load_stored_run, path_of_bodies, path_of_run, save_run, shipped_store
 from rollbench.compare.reference.tasks import ReferenceTask
 from rollbench.compare.results.compared import reference_uncertainty_text
 from rollbench.compare.results.comparison import error_for_unconverged_reference
-from rollbench.compare.running import format_duration
 from rollbench.compare.scenes import catalogue
-from rollbench.meshes.cache import StageMessage
 from rollbench.meshes.condensed import CondensedBodies
-from rollbench.meshes.files import make_readable_for_group
 
 CASE1 = catalogue.scene("lin-case1")
 TASK = ReferenceTask((CASE1,), 1)
@@ -62,21 +53,6 @@ def test_plan_and_what_is_missing(tmp_path: Path) -> None:
     assert left == {(1, ""): ["lin-case1", "lin-case2"], (2, ""): ["lin-case2"], (1, "land"): ["lin-case1"]}
     coarsest_first = jobs.plan_reference_tasks([CASE1], (1, 2, 3), with_source_mesh=True)
     assert [t.level for t in coarsest_first] == [1, 3, 2, 0]
-
-
-@pytest.mark.parametrize("command", ["compare", "mesh-study"])
-def test_commands_print_the_coarsest_level_first(command: str, tmp_path: Path, monkeypatch, capsys) -> None:
-    known = {k: load_stored_run(CASE1, k, stores=(shipped_store(),)) for k in (1, 2)}
-    monkeypatch.setattr(jobs, "compute_runs_and_bodies", lambda task, _: ([known[task.level]], None))
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    engine = jobs.ComputingSettings()
-    if command == "compare":
-        study.compare_and_report(("lin-case1",), (), (1, 2), tmp_path, engine, fresh=True)
-    else:
-        study_mesh_levels(("lin-case1",), 2, tmp_path, engine, fresh=True, spread=False, source=False)
-    said = capsys.readouterr().err
-    words = {"compare": "error of refined: ", "mesh-study": "largest load, SL"}[command]
-    assert said.index("[1/2] lin-case1: level 1") < said.index(words) < said.index("[2/2]")
 
 
 def test_each_job_is_stored_when_it_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -162,12 +138,6 @@ def test_the_estimate_is_near_what_stored_runs_took(name: str, level: int) -> No
     assert 0.5 < 1e-3 * run.peak_MB / found.memory_GB < 1.6
 
 
-def test_a_second_process_takes_less_time_and_more_memory() -> None:
-    alone, two = (expected_time_and_memory(ReferenceTask((CASE1,), 3, processes=n)) for n in (1, 2))
-    assert 0.5 * alone.seconds < two.seconds < 0.8 * alone.seconds
-    assert alone.memory_GB < two.memory_GB < 2.0 * alone.memory_GB
-
-
 def test_a_machine_that_is_too_small_is_refused_before_anything_runs(tmp_path, monkeypatch) -> None:
     enough = expected_time_and_memory(TASK).memory_GB
     monkeypatch.setattr(jobs, "available_GB", lambda: 1.0)
@@ -181,15 +151,6 @@ def test_a_machine_that_is_too_small_is_refused_before_anything_runs(tmp_path, m
     assert check_memory([TASK, TASK], 2) == pytest.approx(2.0 * enough)
 
 
-def test_progress_says_the_stage_and_the_time_left_at_the_speed_so_far() -> None:
-    progress, expected = TaskProgress(TASK), expected_time_and_memory(TASK)
-    done = expected.seconds_by_stage["meshes"]
-    line = progress.progress_line(StageMessage("meshes", "1 s"), 2.0 * done)
-    assert f"about {format_duration(2.0 * (expected.seconds - done))} left" in line
-    assert progress.present_stage_text == "lin-case1: level 1: patches"
-    assert progress.progress_line("contact of side SL", 1.0) == "lin-case1: level 1: contact of side SL"
-
-
 def test_an_interrupt_says_what_is_kept(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
     said = []
     monkeypatch.setattr(jobs, "compute_runs_and_bodies", Mock(side_effect=KeyboardInterrupt))
@@ -200,26 +161,6 @@ def test_an_interrupt_says_what_is_kept(tmp_path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(jobs, "output_closed", lambda: True)
     with pytest.raises(BrokenPipeError):
         jobs.ensure_runs_are_stored([TASK], tmp_path, jobs.ComputingSettings(), said.append)
-
-
-def test_a_reader_that_goes_away_is_seen() -> None:
-    read, write = os.pipe()
-    assert not running.output_closed((write,))
-    os.close(read)
-    assert running.output_closed((write,))
-    os.close(write)
-
-
-def test_stored_files_are_readable_by_the_group(tmp_path) -> None:
-    before = os.umask(0o077)
-    try:
-        files.replace_file(tmp_path / "team" / "run.json", "{}")
-        (tmp_path / "own").write_text("")
-    finally:
-        os.umask(before)
-    make_readable_for_group(tmp_path / "own")
-    modes = {"team": 0o750, "team/run.json": 0o640, "own": 0o640}
-    assert {name: stat.S_IMODE((tmp_path / name).stat().st_mode) for name in modes} == modes
 
 
 def test_memory_that_runs_out_is_said_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:

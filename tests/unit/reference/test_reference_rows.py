@@ -16,7 +16,6 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.sections.reference_time import errors_against_reference
 from rollbench.compare.studies.mesh_study import mesh_accuracy_sentence, mesh_study_table_of_scene
 from rollbench.lowfi.statics import equations, problem
-from rollbench.meshes.parts import SIDES
 from rollbench.meshes.section import BeamSection
 
 CASE1 = catalogue.scene("lin-case1")
@@ -103,23 +102,6 @@ def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     assert ratio.reference_error == pytest.approx(comparison.load_ratio(found.load) * share)
     finest = next(a for a in comparison.solutions_of_reference_runs(found, None) if a.model == f"3D level {max(STUDIED)}")
     assert all(r.error_percent == 0.0 for r in comparison.comparison_rows(CASE1, finest, found) if r.quantity == "load")
-
-
-@pytest.mark.parametrize(("name", "sides"), [("lin-case1", ("SL", "NR")), ("lin-case3", SIDES)])
-def test_the_largest_and_smallest_loads_are_those_of_each_level(name: str, sides: tuple[str, ...]) -> None:
-    """The largest has the uncertainty of its contact, also where levels find it at unlike balls: the contact of the
-    finest level is what is told."""
-    table = {x.name: x.as_json() for x in mesh_study_table_of_scene(catalogue.scene(name), None)}
-    assert tuple(side for side in SIDES if f"largest load, {side}" in table) == sides
-    for side in sides:
-        of_side = [r for q, r in table.items() if q.startswith("load of ball") and q.endswith(side)]
-        largest, smallest = table[f"largest load, {side}"], table[f"smallest load, {side}"]
-        for level in (f"level {k}" for k in STUDIED):
-            loads = [row[level] for row in of_side]
-            assert (largest[level], smallest[level]) == (max(loads), min(loads))
-            assert min(loads) > 0.0 or name == "lin-case3"
-        ball = max(of_side, key=lambda r: r[f"level {max(STUDIED)}"])
-        assert largest["uncertainty"] == ball["uncertainty"]
 
 
 def test_a_mesh_study_adds_varied_choices_by_the_root_of_squares(tmp_path) -> None:

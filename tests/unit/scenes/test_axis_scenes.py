@@ -1,29 +1,17 @@
 """Scene files with several rolling sets: what is read, what is refused, templates, the command line."""
 
-import csv
 import re
 import tomllib
 
-import numpy as np
 import pytest
-from scipy.io import mmread
 from tests.shipped_texts import own_text
 
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables
-from rollbench.compare.scenes.template import AXES, BEARINGS, commented_template
 from rollbench.meshes.axis import Assembly, RollerRow
 
 ROLLERS = own_text("rollers")
-
-
-@pytest.mark.parametrize("kind", [*AXES, *BEARINGS])
-def test_templates_are_read_as_they_stand(kind):
-    found = scene_file.parse_scene(commented_template(kind.replace(" ", "-")), "mine.toml")
-    assert isinstance(found, Assembly)
-    assert found.title == f"My {kind}"
-    assert not found.source
 
 
 def test_units_positions_and_heat_are_read():
@@ -71,22 +59,6 @@ def test_sums_of_several_sets(command, small):
     assert axial["lost_motion_um_per_100N"] == pytest.approx(200.0 / axial["tangent_N_per_um"], rel=1e-9)
 
 
-@pytest.mark.slow
-def test_tables_files_and_stations_of_several_sets(command, small, tmp_path):
-    files = "--stiffness-at", "100 mm", "--matrix", tmp_path / "k.mtx"
-    code, out, _ = command("solve", small, "--model", "lin", *files)
-    assert (code, "shaft at 100 mm" in out) == (0, True)
-    assert command("solve", small, "--model", "lin", "--curve", "0N:3kN:16:100mm", "--csv", tmp_path / "c.csv").code == 0
-    rows = list(csv.DictReader((tmp_path / "c.csv").read_text(encoding="utf-8").splitlines()))
-    assert len(rows) == 16
-    before, last, after = rows[9:12]
-    assert float(last["load_N"]) == 2000.0
-    slope = 400.0 / (float(after["load_point_displacement_um"]) - float(before["load_point_displacement_um"]))
-    matrix = np.asarray(mmread(tmp_path / "k.mtx"))
-    assert slope == pytest.approx(1e-6 / np.linalg.inv(matrix)[2, 2], rel=2e-3)
-    assert float(last["load_point_tangent_N_per_um"]) == pytest.approx(1e-6 / np.linalg.inv(matrix)[2, 2], rel=1e-5)
-
-
 def test_commands_say_why_they_do_not_work(command, small):
     code, out, _ = command("check", small, "--no-compute", "--model", "lin")
     assert out.startswith("NOT COVERED: two by lin")
@@ -99,17 +71,6 @@ def test_commands_say_why_they_do_not_work(command, small):
         (("--stiffness-at", "9 m"), "0 mm to"),
     ):
         assert why in command.refused("solve", small, *words)
-
-
-def test_solve_and_friction_begin_rows_with_their_set(command, small):
-    for word in ("solve", "friction"):
-        data = command.answer(word, small, "--model", "lin")
-        assert [next(iter(row)) for row in data["balls"]] == ["set"] * 16
-        assert [(row["set"], row["index"]) for row in data["balls"]][8] == (2, 1)
-    total = sum(s["friction_torque_Nmm"] for s in data["sets"])
-    assert data["torque"]["friction_torque_Nmm"] == pytest.approx(total, rel=1e-12)
-    _, out, _ = command("solve", small, "--model", "lin", "--verbose")
-    assert "tangent stiffness of the whole axis, shaft at 0 mm" in out
 
 
 def test_a_ring_whose_land_does_not_cut_its_groove_is_a_fault_of_its_diameter() -> None:

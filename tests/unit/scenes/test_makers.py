@@ -5,10 +5,8 @@ import math
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.models import registry
 from rollbench.compare.scenes import makers, scene_file
 from rollbench.compare.scenes.catalogue_part import scene_text_of_bearings, scene_text_of_catalogue_part, scene_text_of_nut
-from rollbench.lowfi.rating.contacts import dynamic_and_static_ratings
 from rollbench.meshes.axis import Assembly
 
 pytestmark = pytest.mark.slow
@@ -32,35 +30,6 @@ def test_every_nut_of_the_tables_gives_a_scene_with_what_is_printed() -> None:
         wrong = (printed["misprint"] or "").split(", ")
         for key, value in (("C", one.rating.dynamic), ("C0", one.rating.static)):
             assert value is None if key in wrong else value == pytest.approx(1e3 * printed[f"{key}_kN"], rel=1e-4)
-
-
-@pytest.mark.parametrize(
-    ("name", "circuits", "turns", "starts", "dynamic"),
-    [
-        ("HIWIN R40-10T4-FSI", 4, 1.0, 1, 37_890.0),
-        ("HIWIN R40-10K5-FSC", 1, 5.0, 1, 63_400.0),
-        ("Rexroth 40 x 10R x 6-4", 1, 4.0, 1, 50_000.0),
-        ("Rexroth 32 x 32R x 3,969-1,2x4", 1, 1.2, 4, 26_300.0),
-        ("THK BNF 2005-5", 2, 2.5, 1, 15_100.0),
-        ("TBI SFU02505-4", 4, 1.0, 1, 1724 * 9.80665),
-        ("DLY SFE2020-4", 1, 1.7, 2, 980 * 9.80665),
-        ("Wangong SFK1004", 3, 1.0, 1, 468 * 9.80665),
-        ("limon sfi3210-4", 4, 1.0, 1, 3924 * 9.80665),
-    ],
-)
-def test_a_row_of_each_maker_solves(name: str, circuits: int, turns: float, starts: int, dynamic: float) -> None:
-    found = scene(name)
-    assert found.track.starts == starts
-    steps = [b - a for a, b in zip(found.balls.azimuths, found.balls.azimuths[1:], strict=False)]
-    assert sum(step > 1.4 * min(steps) for step in steps) == circuits - 1, "gaps between circuits"
-    each = len(found.balls.azimuths) / circuits
-    assert each * min(steps) == pytest.approx(2.0 * math.pi * turns, rel=1e-6)
-    ratings = dynamic_and_static_ratings(found)
-    assert ratings.maker_dynamic == pytest.approx(dynamic, rel=1e-4)
-    assert 0.7 < ratings.dynamic / dynamic < 1.4
-    result = registry.run_model(found, "lin")
-    assert result.status == "converged"
-    assert len(result.load) == found.ball_count
 
 
 def test_a_double_nut_is_asked_for_or_is_what_the_maker_prints() -> None:

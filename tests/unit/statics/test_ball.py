@@ -1,6 +1,6 @@
 """One ball in its grooves: the eliminated centre against scipy's minimum of an independently written energy."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import cache
 from itertools import product
 
@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 from tests.helpers import FLANK_ERRORS, four_flank_problem, small_screw
 
 from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice
-from rollbench.lowfi.statics.rolling_elements import Balls, ball_equilibrium, balls_of_problem
+from rollbench.lowfi.statics.rolling_elements import ball_equilibrium, balls_of_problem
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, BallErrors, Errors, SideErrors
@@ -89,33 +89,17 @@ def random_shifts(size, count, seed=5):
 
 
 @each_state
-def test_forces_and_balance(state, profile):
-    """Each force is (delta/C)^1.5 at the settled centre, and they balance."""
-    oversize, size, _ = STATES[state]
-    b = ball(profile, oversize)
-    for shift in random_shifts(size, 20, seed=6):
+def test_minimum_of_the_energy(state, profile):
+    oversize, size, counts_to_meet = STATES[state]
+    b, counts = ball(profile, oversize), set()
+    for shift in random_shifts(size, 8):
         energy, p, contacts = b.settle(shift)
-        force, normal = contacts.force[0], contacts.normal[0]
-        delta = np.array([b.radius - b.gap(p, shift, s) for s in range(4)])
+        counts.add(int((contacts.force > 0).sum()))
+        least, place = b.minimum(shift, p)
+        assert energy == pytest.approx(least, rel=1e-9, abs=1e-15)
         if energy > 0.0:
-            assert force == pytest.approx((np.maximum(delta, 0.0) / b.C) ** 1.5, rel=1e-8, abs=1e-7 * force.max())
-            rounding = 0.0 if profile == "arcs" else 4e-18 * contacts.stiffness.max()  # of the radii, times the stiffness
-            assert np.abs(force @ normal).max() <= 1e-14 * force.max() + rounding
-            assert energy == pytest.approx(b.energy(p, shift), rel=1e-9)
-        else:
-            assert not force.any()
-
-
-@pytest.mark.parametrize("profile", PROFILES)
-def test_balls_that_are_solved_together_are_those_solved_alone(profile):
-    """A ball that takes many steps does not change the others."""
-    b, shifts = ball(profile, 3e-6), np.concatenate([random_shifts(size, 6) for size in (1e-7, 4e-6, 3e-5)])
-    many = Balls(**{x.name: np.repeat(getattr(b.balls, x.name), len(shifts), axis=0) for x in fields(b.balls)})
-    _, contacts, energy = ball_equilibrium(many, shifts, np.full(len(shifts), 1e-9))
-    for k, shift in enumerate(shifts):
-        alone, _, found = b.settle(shift)
-        assert energy[k] == pytest.approx(alone, rel=1e-12)
-        assert contacts.force[k] == pytest.approx(found.force[0], rel=1e-9, abs=1e-9)
+            assert p == pytest.approx(place, abs=2e-5 * 1e-6)
+    assert counts >= counts_to_meet
 
 
 @pytest.mark.parametrize(("oversize", "pressed"), [(8e-6, 0.0), (0.0, 1e-12), (0.0, 1e-9), (0.0, 1e-6), (0.0, 1e-4)])

@@ -162,23 +162,3 @@ def test_a_preload_is_worth_more_than_error_free_parts_say():
     assert ratio == pytest.approx(1.5 * axes / (6 * scene.balls.radius**2), rel=0.05)
     tight = small_screw(force=(0.0, 0.0, 1000.0))
     assert relative(solved(tight).load, solved(with_ingredients(tight, hertz="error-free")).load) < 1e-12
-
-
-def test_a_ball_smaller_than_groove_and_pitch_radius_is_more_curved_than_its_grooves():
-    """Whatever lead and contact angle are: reading a scene evaluates curvatures only where errors change them."""
-    rng = np.random.default_rng(79)
-    scene = small_screw()
-    for _ in range(300):
-        ball = 10.0 ** rng.uniform(-4.0, -1.0)
-        pitch = ball * (1.0 + 10.0 ** rng.uniform(-4.0, 2.0))
-        screw, nut = ball * (1.0 + 10.0 ** rng.uniform(-7.0, 0.9, 2))
-        lead = rng.choice([0.0, pitch * 10.0 ** rng.uniform(-2.0, 2.5)])
-        track = replace(scene.track, pitch_radius=pitch, lead=lead, contact_angle=np.radians(rng.uniform(0.5, 89.5)))
-        drawn = replace(
-            scene,
-            track=track,
-            balls=replace(scene.balls, radius=ball),
-            screw=replace(scene.screw, groove_radius=screw),
-            nut=replace(scene.nut, groove_radius=nut),
-        )
-        assert contacts.nominal_curvatures(drawn).min() > 0.0

@@ -15,7 +15,6 @@ from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.static import solve_elastic
 from rollbench.meshes.helix import lead_angle
-from rollbench.meshes.parts import Support
 
 FLAT = np.radians(0.001)
 
@@ -110,26 +109,6 @@ def test_elastic_flanks_at_the_apex_are_refused_in_full_words():
     for name in ("lin-cell", "lin-nut"):
         assert run_model(scene, name).load[:, 0].mean() == pytest.approx(solved(scene).load[:, 0].mean(), rel=0.03)
     assert run_model(small_screw(8, beta=np.radians(5.0), force=(0.0, 0.0, 1250.0)), "refined").converged
-
-
-@pytest.mark.parametrize("screw", ["beam", "rigid"])
-def test_a_tilt_of_several_milliradians_is_warned_of(screw):
-    scene = small_screw(12, 2.0, oversize=5e-6, fixed=(), force=(0.0, 0.0, 100.0), screw=screw)
-
-    def tilted(angle, name="ry"):
-        held = Support(scene.nut.position, tuple({"rz": 0.0, name: angle}.items()))
-        result = solved(replace(scene, supports=(held,)))
-        return [text for text in result.warnings if "tilts" in text], result
-
-    notes, result = tilted(5e-3)
-    assert len(notes) == 1
-    angle = 1e-3 * float(re.search(r"tilts by ([\d.]+) mrad at the balls", notes[0])[1])
-    assert angle == pytest.approx(5e-3, rel=0.1)
-    beyond = 0.5 * scene.track.pitch_radius * angle**2
-    approach = float(np.nanmax(result.hertz_C * np.cbrt(result.load) ** 2))
-    assert float(re.search(r"([\d.e+]+) % of the largest", notes[0])[1]) == pytest.approx(100 * beyond / approach, rel=0.1)
-    assert tilted(1e-3)[0] == []
-    assert tilted(5e-3, "rz")[0] == []  # along the helix the linear motion in each section is exact
 
 
 def test_a_moment_that_tilts_the_screw_is_warned_of_and_shipped_case_studies_tilt_less():

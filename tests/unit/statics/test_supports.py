@@ -3,7 +3,6 @@
 import tracemalloc
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from tests.helpers import four_flank_problem, small_screw, solved, with_ingredients
 from tests.shipped_texts import changed
@@ -39,28 +38,6 @@ def test_rigid_screw_with_contradictory_supports_is_refused_and_with_those_that_
     assert result.converged
     assert result.centreline[-1, 0] == pytest.approx(300e-6, rel=1e-9)
     assert result.centreline[0, 4] == pytest.approx(0.375e-3, rel=1e-9)
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_contradiction_is_found_where_the_residual_of_least_squares_says_so(seed):
-    """Supports of a random rigid motion agree; with one value moved they do not, if they over-determine it."""
-    rng = np.random.default_rng(seed)
-    scene = small_screw(screw="rigid")
-    u, theta, z0 = 1e-4 * rng.normal(size=3), 1e-3 * rng.normal(size=3), scene.nut.position
-
-    def motion(at):
-        return dict(zip(FREEDOMS, (*u + np.cross(theta, [0, 0, at - z0]), *theta), strict=True))
-
-    stations = np.sort(rng.uniform(0.0, scene.screw.length, 3))
-    supports = [Support(z, tuple((k, v) for k, v in motion(z).items() if rng.random() < 0.6)) for z in stations]
-    assert find_support_contradiction(replace(scene, supports=tuple(supports))) is None
-    moved = tuple(replace(s, fixed=tuple((k, v + (3e-5 if k == "uz" else 0.0)) for k, v in s.fixed)) for s in supports[1:])
-    holds_uz = [any(k == "uz" for k, _ in s.fixed) for s in supports]
-    clash = find_support_contradiction(replace(scene, supports=(supports[0], *moved)))
-    assert (clash is not None) == (holds_uz[0] and any(holds_uz[1:]))
-    if clash is not None:
-        assert [x.freedom for x in (clash.contradicted, *clash.implied_by)] == ["uz", "uz"]
-        assert clash.implied == pytest.approx(u[2], rel=1e-9)
 
 
 def test_one_freedom_held_twice_within_ten_micrometres_is_refused():

@@ -72,7 +72,7 @@ def test_figures_have_data_and_can_be_drawn(section):
 
 
 def test_ours_has_no_failure_and_unique_answers_and_solves_long_chains(records):
-    """200 balls of a linear bearing take a minute: its longest chains are in the report and, with 100, in property tests."""
+    """Chains of 200 balls of a linear bearing take a minute: they are in the report, 100 balls in property tests."""
     for r in records:
         assert r.ours == r.tries > 0, r
         assert max(r.energy, r.spread) < 1e-8, r
