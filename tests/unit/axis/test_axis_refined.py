@@ -149,8 +149,3 @@ def test_the_squeeze_of_a_warm_shaft_is_continuous_as_any_load_goes_to_zero(alon
     more = refined(warm(load=Load(0.15, (0.0, 0.0, 100.0))), backend=COARSE).sets
     means = [np.mean([abs(s.force[2]) for s in sets]) for sets in (more, least)]
     assert means[0] == pytest.approx(means[1], rel=5e-3)
-
-
-def test_what_heat_leaves_out_is_said_of_warm_shafts_only():
-    said = [any("inner rings" in x for x in solved(p).left_out) for p in (warm(), warm(0.0, GROWTH))]
-    assert said == [True, False]

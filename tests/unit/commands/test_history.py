@@ -10,12 +10,12 @@ import pytest
 #: Commands whose answers are compared, and those that run before them in one of the homes.
 ASKED = (
     ("solve", "axis-fixed-fixed"),
-    ("friction", "axis-fixed-fixed"),
+    ("friction", "axis-fixed-fixed", "--model", "lin"),
     ("solve", "lin-random", "--members", "20"),
     ("friction", "lin-case1", "--mu", "0.08"),
 )
 BEFORE = (
-    ("friction", "axis-fixed-fixed", "--mu", "0.05"),
+    ("friction", "axis-fixed-fixed", "--model", "lin", "--mu", "0.05"),
     ("solve", "lin-random", "--members", "5", "--model", "lin"),
     ("friction", "lin-case1"),
     ("solve", "lin-case2"),

@@ -7,6 +7,8 @@ import pytest
 import yaml
 from tests.copies import ROOT, docs_module, of_report
 
+pytestmark = pytest.mark.xdist_group("manual")
+
 DOCS = ROOT / "docs"
 #: Pages of the manual, and those that a reader opens first.
 PAGES = [*sorted(DOCS.rglob("*.md")), *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md"))]

@@ -11,17 +11,8 @@ from rollbench.compare.models import applicability, model_form, modelling
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.store import load_stored_run, shipped_store
 from rollbench.compare.report import pages, report
-from rollbench.compare.report.pages import CHECKED, LEVEL, SECTIONS, RecomputedRunCheck, recompute_shipped_run
+from rollbench.compare.report.pages import CHECKED, LEVEL, RecomputedRunCheck, recompute_shipped_run
 from rollbench.compare.scenes import catalogue
-
-
-def test_wanted_parts():
-    assert [p.name for p in report.select_report_parts(["stability", "hertz"], quick=True)] == ["hertz", "stability"]
-    assert [p.name for p in report.select_report_parts([])] == [part.name for part in SECTIONS]
-    quick = report.select_report_parts([], quick=True)
-    assert {"reference", "overview", "reference-mesh"} < {p.name for p in quick}
-    left_out = {"pictures", "friction", "rolling", "verification", "crosscheck", "outside", "external", "verdicts", "audit"}
-    assert {p.name for p in quick}.isdisjoint(left_out)
 
 
 def test_points_of_the_estimate_are_a_step_of_their_own(tmp_path, monkeypatch: pytest.MonkeyPatch):

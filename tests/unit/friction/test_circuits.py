@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits_of_scene, nut_positions_at_start_and_end
-from rollbench.meshes.parts import Circulation, Motion, Time
+from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits_of_scene
+from rollbench.meshes.parts import Circulation
 
 
 def screw(**circulation):
@@ -79,11 +79,3 @@ def test_what_cannot_be_names_its_key(change, key):
     with pytest.raises(CircuitError) as caught:
         circuits_of_scene(screw(**change))
     assert caught.value.key == key
-
-
-@pytest.mark.parametrize(("turns", "hand", "sign"), [("screw", "right", -1), ("nut", "right", 1), ("nut", "left", -1)])
-def test_travel_is_the_lead_per_turn(turns, hand, sign):
-    base = small_screw(12, 1.5, hand=hand)
-    scene = replace(base, motion=Motion(3.0, turns), time=Time(angle=4.0 * np.pi))
-    assert nut_positions_at_start_and_end(scene)[1] == pytest.approx(sign * 2.0 * base.track.lead, rel=1e-12)
-    assert np.all(nut_positions_at_start_and_end(replace(base, motion=Motion(3.0, turns))) == 0.0)

@@ -45,8 +45,7 @@ def run(name, friction=MU, motion=TURN, span=0.1, steps=10):
 
 
 @pytest.mark.parametrize("friction", [MU, Friction(0.1, 0.1, feedback=True)], ids=["loads given", "balls moved"])
-@pytest.mark.parametrize("motion", [TURN, Motion(-3.0, "nut")], ids=["screw", "nut"])
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(("name", "motion"), [*((name, TURN) for name in SCENES), ("balls that meet", Motion(-3.0, "nut"))])
 def test_energy_load_and_order_at_every_instant(name, motion, friction):
     """Moments of all contact forces about the axis, normal ones included, against external load and losses."""
     h, scene = run(name, friction, motion), SCENES[name]()

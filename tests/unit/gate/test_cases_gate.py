@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests import two_balls
 from tests.load_cases import SHIPPED, case, written
 from tests.load_cases import TEXT as WITH_STORED
 
@@ -16,6 +17,7 @@ from rollbench.compare.gate import user
 from rollbench.compare.models import comparison as references
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import run_model
+from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.store import load_stored_run, save_run, shipped_store
 from rollbench.compare.reference.tasks import (
     ball_slices_by_set,
@@ -121,6 +123,7 @@ def test_one_file_with_three_cases_goes_through_all_commands_with_one_set_of_bod
     monkeypatch.setattr(
         setup, "mesh_and_condense_geometry", lambda *given, **options: set_ups.append(1) or prepare(*given, **options)
     )
+    monkeypatch.setitem(LEVELS, 1, LEVELS[1] | {"b_over_h": 1.0, **two_balls.COARSE})
     lin, limits = ("--model", "lin"), ("--limit", "life=50", "--limit", "contact angle=5")
     for words in (
         ("solve", path, *lin),

@@ -67,7 +67,6 @@ def test_good_files_are_read(tmp_path, text: str) -> None:
 FAULTY = [
     ("ball,", "index,", "line 1", "a column ball"),
     ("1,SL,100", "3,SL,100", "line 2: ball", "1 to 2"),
-    ("1,SL,100", "0,SL,100", "line 2: ball", "1 to 2"),
     ("1,SL,100", "1,left,100", "line 2: flank", "SL, SR, NL, NR"),
     ("1,SL,100", "1,SL,-100", "line 2: newton", "at least 0"),
     ("1,SL,100", "1,SL,nan", "line 2: newton", "at least 0"),
@@ -76,9 +75,7 @@ FAULTY = [
     ("1,SL,100", '1,SL,"489,5"', "line 2: newton", "decimal comma"),
     ("1,SL,100", "1,SL,1_000", "line 2: newton", "underscore"),
     ("1,SL,100", "1,SL,0.1D+03", "line 2: newton", "Fortran"),
-    ("1,SL,100", "1,SL,0.1234567+103", "line 2: newton", "Fortran"),
     ("1,SL,100", "1,SL,١٠٠", "line 2: newton", "at least 0"),
-    (GOOD, "ball,flank,newton,angle_deg\n1,SL,100,4_5\n", "line 2: angle_deg", "underscore"),
     ("1,SL,100", '1,SL,"100', "line 5", "quotation mark"),
     ("2,sl,0\n", "", "rows", "no load of ball 2 SL"),
     ("2,NR,80", "1,NR,80", "line 5", "ball 1 NR"),
@@ -88,7 +85,6 @@ FAULTY = [
     (GOOD, "ball;flank;newton\n1;SL;489;517\n", "line 2", "4 cells"),
     (GOOD, "ball,flank,newton,load_kN\n1,SL,100,0.1\n", "line 1", "one column for each quantity"),
     (GOOD, "ball,flank,newton,angle_deg\n1,SL,100,\n2,SL,100,\n", "rows", "no angle of ball 1 SL"),
-    (GOOD, "ball,flank,newton,approach_um\n1,SL,100,-1\n", "line 2: approach_um", "at least 0"),
     (GOOD, "ball,flank,newton,pressure_MPa\n1,SL,100,inf\n", "line 2: pressure_MPa", "at least 0"),
 ]
 

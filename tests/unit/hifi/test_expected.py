@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.models.study import with_conformity
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.contact.hertz import solve_hertz
 from rollbench.hifi.meshing import settings
@@ -81,12 +80,6 @@ def test_errors_are_seen():
         Errors(balls=BallErrors(listed=((7, 10e-6),))),
     ):
         assert np.abs(estimate_contacts_of_scene(replace(CASE, errors=errors)).loads - nominal).max() > 2.0, errors
-
-
-def test_a_smaller_conformity_moves_contacts_farther():
-    wide, close = (estimate_contacts_of_scene(with_conformity(CASE, c)) for c in (0.58, 0.52))
-    assert np.abs(close.centre_shifts).max() > 2.5 * np.abs(wide.centre_shifts).max()
-    assert close.semi_axes_across.max() > 1.6 * wide.semi_axes_across.max()
 
 
 @pytest.mark.parametrize("name", ["lin-random", "lin-combined", "lin-pitch-4p1", "unseen-four-point", "unseen-63x20"])

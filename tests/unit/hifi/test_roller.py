@@ -10,6 +10,8 @@ from rollbench.meshes import roller_body
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import Material
 
+pytestmark = pytest.mark.xdist_group("a pressed roller")
+
 E, NU = 207e9, 0.3
 #: Radius and half length of a roller, depth of a ring [m]; half-width of a contact.
 R, HALF, DEPTH, B = 4e-3, 15e-3, 5e-3, 0.06e-3

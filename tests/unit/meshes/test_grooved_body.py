@@ -192,22 +192,15 @@ SUBSET = np.sort(np.random.default_rng(1).choice(even(45, 2.5), 17, replace=Fals
 TWO, FOUR = (0, 3), (0, 1, 2, 3)
 #: Label: scene, sides, part.
 KINDS = {
-    "Table 4.1, screw": (lambda: scene("lin-nominal-4p1"), TWO, "screw"),
     "Table 4.1, nut, four sides": (lambda: scene("lin-nominal-4p1"), FOUR, "nut"),
-    "45 balls in 2.5 turns": (lambda: screw_of(even(45, 2.5)), FOUR, "screw"),
-    "45 balls, nut, left hand": (lambda: screw_of(even(45, 2.5), hand="left"), TWO, "nut"),
     "stacked on one side": (lambda: screw_of(STACKED), TWO, "screw"),
-    "stacked on one side, nut": (lambda: screw_of(STACKED), FOUR, "nut"),
     "random subset": (lambda: screw_of(SUBSET), FOUR, "nut"),
     "gaps, hollow screw": (lambda: screw_of([-6.0, -5.6, -2.2, 0.3, 0.7, 5.0], bore=10e-3), TWO, "screw"),
     "two starts": (lambda: screw_of(even(9, 0.8), lead=22e-3, starts=2), FOUR, "screw"),
     "three starts, left, nut": (lambda: screw_of(even(5, 0.5), lead=40e-3, starts=3, hand="left"), (1, 2), "nut"),
     "lead angle of 40 deg": (lambda: screw_of(even(5, 0.4), lead=105e-3, starts=2, length=70e-3), (1, 2), "screw"),
-    "bearing": (lambda: scene("bearing-9"), TWO, "screw"),
     "bearing, outer ring": (lambda: scene("bearing-9-preload"), FOUR, "nut"),
     "bearing of two balls": (lambda: ring_of(0.0, np.pi), FOUR, "nut"),
-    "bearing of three balls": (lambda: ring_of(0.0, 1.0, -2.0), TWO, "screw"),
-    "Lin's case 1": (lambda: scene("lin-case1"), FOUR, "screw"),
     "Lin's case 3": (lambda: scene("lin-case3"), FOUR, "nut"),
     "screw without a hole": (lambda: small_screw(2), (0,), "screw"),
 }

@@ -100,13 +100,6 @@ def test_numbers_and_models_that_cannot_be_are_refused(words, command):
     command.refused("survey", *words.split())
 
 
-def test_a_model_that_is_named_twice_is_judged_once(command, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    data = command.answer("survey", "--count", "2", "--model", "lin", "--model", "lin")
-    twice = rollbench.survey(["lin", "lin"], count=2)
-    assert len(data["models"]["lin"]) == len(twice.rows["lin"]) == data["screws"] == 2
-
-
 def test_a_limit_of_nothing_is_refused():
     with pytest.raises(InputError, match="max_error"):
         rollbench.survey("lin", max_error=0.0)

@@ -3,7 +3,6 @@
 import os
 import socket
 import sys
-import threading
 import time
 from functools import partial
 
@@ -28,11 +27,6 @@ def squares(n: int) -> tuple[int, np.ndarray]:
     return os.getpid(), np.arange(n) ** 2
 
 
-def large(array: np.ndarray) -> np.ndarray:
-    array += 1.0
-    return array[-2:]
-
-
 def process() -> int:
     time.sleep(0.2)
     return os.getpid()
@@ -46,10 +40,6 @@ def meet(folder) -> int:
         assert time.perf_counter() < end
         time.sleep(0.01)
     return os.getpid()
-
-
-def nameless(n: int):
-    return lambda x: x + n
 
 
 def fail(kind: str, seconds: float = 0.2):
@@ -116,19 +106,6 @@ def test_a_cluster_is_used_by_all_its_workers_or_as_many_as_asked(scheduler, tmp
     begin = time.perf_counter()
     run([process] * 3, "dask", scheduler, workers=1)
     assert time.perf_counter() - begin > 0.6
-
-
-def test_a_cluster_of_its_own():
-    pids = run([process] * 2, "dask", workers=1)
-    assert len(set(pids)) == 1
-    assert os.getpid() not in pids
-
-
-def test_large_arguments_can_be_written_to_and_a_result_may_be_a_function_without_a_name():
-    last = run([(large, (np.zeros(200_000),))] * 2, workers=2)
-    np.testing.assert_array_equal(last, np.ones((2, 2)))
-    one, two = run([(nameless, (1,)), (nameless, (2,))], workers=2)
-    assert (one(10), two(10)) == (11, 12)
 
 
 @pytest.fixture
@@ -208,19 +185,6 @@ def test_a_scheduler_without_workers_is_refused_after_a_wait(capfd, monkeypatch)
         run(JOBS, "dask", cluster.scheduler_address)
     assert 1.0 < time.perf_counter() - begin < 10.0
     assert "waiting 1 s for a worker" in capfd.readouterr().err
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("at_first", [0, 1])
-def test_workers_that_join_late_are_used(at_first, tmp_path):
-    """The first worker comes when jobs wait already, and a second one is given the job that waits for the first's."""
-    with cluster_of(0) as cluster:
-        cluster.scale(at_first)
-        joins = threading.Timer(1.5, cluster.scale, (at_first + 1,))
-        joins.start()
-        jobs = [(meet, (tmp_path,))] * 2 if at_first else [process]
-        assert len(set(run(jobs, "dask", cluster.scheduler_address))) == at_first + 1
-        joins.join()
 
 
 def test_a_cluster_that_adapts_its_size_gets_workers_for_the_jobs():

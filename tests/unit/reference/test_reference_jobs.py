@@ -151,18 +151,6 @@ def test_a_machine_that_is_too_small_is_refused_before_anything_runs(tmp_path, m
     assert check_memory([TASK, TASK], 2) == pytest.approx(2.0 * enough)
 
 
-def test_an_interrupt_says_what_is_kept(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
-    said = []
-    monkeypatch.setattr(jobs, "compute_runs_and_bodies", Mock(side_effect=KeyboardInterrupt))
-    monkeypatch.setattr(jobs, "output_closed", lambda: False)
-    with pytest.raises(KeyboardInterrupt):
-        jobs.ensure_runs_are_stored([TASK], tmp_path, jobs.ComputingSettings(cache_folder=tmp_path / "cache"), said.append)
-    assert said[-1].startswith(f"WARNING: interrupted: 0 of 1 set-ups are stored in {tmp_path}, and finished stages")
-    monkeypatch.setattr(jobs, "output_closed", lambda: True)
-    with pytest.raises(BrokenPipeError):
-        jobs.ensure_runs_are_stored([TASK], tmp_path, jobs.ComputingSettings(), said.append)
-
-
 def test_memory_that_runs_out_is_said_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("gmsh")
     ended = Mock(side_effect=MemoryError("a process of the set-up was ended from outside"))

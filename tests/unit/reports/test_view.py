@@ -115,7 +115,7 @@ def seen(page):
 #: Places of the canvas at which other balls or rollers have values, as the page's own handler finds them.
 SEARCH = """(() => {
   const canvas = document.getElementById("view-canvas"), box = canvas.getBoundingClientRect(), found = {};
-  for (let y = 0.2; y < 0.8; y += 0.04) for (let x = 0.1; x < 0.9; x += 0.03) {
+  for (let y = 0.2; y < 0.8; y += 0.06) for (let x = 0.1; x < 0.9; x += 0.05) {
     const at = { clientX: box.left + x * box.width, clientY: box.top + y * box.height };
     canvas.dispatchEvent(new PointerEvent("pointermove", at));
     const value = document.getElementById("view-value"), name = value.hidden ? "" : value.querySelector("b").textContent;
