@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Flag, Json, Verbose, Word, app, check_plot_file, write_plot
 from rollbench.compare.errors import one_line
-from rollbench.compare.text.printing import CommandOutput, print_command_output, selected_columns_table, text_width
+from rollbench.compare.text.printing import CommandOutput, print_command_output, table_of_records, text_width
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -114,24 +114,19 @@ def friction_terminal_parts(found: Friction, *, balls: bool = False, details: bo
     balance, data of the solver, assumptions and neglected effects; without it, a line refers to --verbose.
     """
     from rollbench.compare.results.base import format_table_as_text
-    from rollbench.compare.text.friction import ALWAYS, BEHIND, ball_tables, friction_lines, friction_tables
+    from rollbench.compare.text.friction import friction_tables, has_table_of_balls, onset_sentences
     from rollbench.compare.text.solved import warning_and_note_lines
 
     drawn = "" if found.member is None else f", specimen {found.member} of its random errors"
     parts: list[Any] = [f"{found.scene}{drawn}, {found.kind}: {found.reason}", found.title]
     parts += [*filter(None, [found.warning])]
-    if rows := found.rows():
+    if rows := found.rows(details=details):
         parts += ["", format_table_as_text(rows, text_width()), ""]
-    if lines := [
-        f"{label:<10}{text}"
-        for label, text in friction_lines(found)
-        if details or label in ALWAYS or not (rows or label in BEHIND)
-    ]:
-        parts += ["", *lines, ""]
-    of_balls = ball_tables(found)
-    for title, columns, body in [*friction_tables(found), *(of_balls if balls else ())]:
-        parts += [selected_columns_table(title, columns, body), ""]
-    if of_balls and not balls:
+    if sentences := onset_sentences(found):
+        parts += [*sentences, ""]
+    for title, body in friction_tables(found, balls=balls):
+        parts += [table_of_records(body, ".6g", title), ""]
+    if not balls and has_table_of_balls(found):
         parts.append("--balls also shows motion, loads and losses of every ball")
     warnings = [w for w in found.warnings if w.brief != w]  # without those that are printed above
     return [*parts, *warning_and_note_lines(warnings, (), found.assumed, found.left_out, details=details)]

@@ -46,7 +46,6 @@ from rollbench.compare.studies.friction.whole import (
     friction_of_solved_loads,
     friction_status,
 )
-from rollbench.compare.text.friction import lines_on_friction_of_screw
 from rollbench.compare.text.solved import load_case_rows
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.rating.contacts import WorstContact
@@ -458,7 +457,7 @@ def friction_section(scene: Scene, result: StaticResult, options: ModelOptions) 
     pairs = [scene.friction], [state], drag_torques(solved, [state], [scene.friction])
     found = friction_of_solved_loads(solved, result, head, pairs)
     panels = [_torque_over_coefficient_panel(solved, result), _torque_over_ball_size_panel(solved)]
-    notes = [f"{label}: {text}." for label, text in lines_on_friction_of_screw(found)]
+    notes = [" ".join(filter(None, (f"{row.quantity}:", row.value, row.unit, row.note))) for row in found.rows()]
     notes += [f"third flank: {text}." for text in found.warnings if text.kind == "third flank"]
     angle = 2.0 * np.pi / (scene.ball_count if scene.track.lead == 0.0 else 1.0)
     time = scene.time or Time(duration=abs(angle / motion.speed), steps=STEPS, goal=1.0, output="torque")

@@ -408,6 +408,15 @@ def _single_values(data: Mapping[str, JSON], path: str = "") -> Iterator[tuple[s
             yield f"{path}{key}", value
 
 
+def json_rows(data: Mapping[str, JSON], group: str) -> list[Row]:
+    """Return a table row for every number and text in nested JSON objects, but not those inside lists; None is left out.
+
+    ``group``: words with which the names of the quantities begin.
+    """
+    named = ((*words_and_unit_of_key(path), value) for path, value in _single_values(data) if value is not None)
+    return [Row(f"{group}: {name.replace('.', ', ')}", _format_cell_value(value), unit) for name, unit, value in named]
+
+
 def values_in_words(row: Mapping[str, Any]) -> str:
     """Return the values of a row as a line of text, such as ``level 2, cell size 0.5``; without those that are None."""
     each = ((*words_and_unit_of_key(key), value) for key, value in row.items() if value is not None)

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, is_dataclass, replace
 from functools import reduce
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rollbench.compare.models.friction_torques import FrictionTorques, fraction_in_percent
 from rollbench.compare.quantities import json_number, name_and_unit_of_key, quantities_of_instance, record_as_json
-from rollbench.compare.results.base import HEADINGS, JSON, Row, TabularRecord, add_schema_version
+from rollbench.compare.results.base import HEADINGS, JSON, Row, TabularRecord, add_schema_version, json_rows
 from rollbench.compare.results.friction_run import TransientRun, transient_simulation_as_json
 from rollbench.compare.results.rows import group_rows, record_rows
 from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
-from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
+from rollbench.meshes.quantity import QuantityDescription, quantity_descriptions, quantity_field, result_record
 from rollbench.reports.content import Figure, Panel, Series
 
 if TYPE_CHECKING:
@@ -194,12 +194,23 @@ class FrictionOnset:
 class FrictionCases:
     """Largest and mean friction torque over all load cases of a duty cycle."""
 
-    largest: float | None = quantity_field("largest_friction_torque_Nmm", "largest friction torque of any load case")
+    largest: float | None = quantity_field(
+        "largest_friction_torque_Nmm",
+        "largest friction torque of any load case",
+        heading="largest friction torque of all load cases",
+        form="g3",
+        note="case {largest_friction_torque_case}",
+    )
     case: str | None = quantity_field("largest_friction_torque_case", "load case with the largest friction torque")
     mean: float | None = quantity_field(
-        "mean_friction_torque_Nmm", "work of friction over the duty cycle, divided by the angle of rotation"
+        "mean_friction_torque_Nmm",
+        "work of friction over the duty cycle, divided by the angle of rotation",
+        heading="mean friction torque over the duty cycle",
+        form="g3",
     )
-    words: str | None = quantity_field("mean_words", "reason why no mean friction torque can be computed")
+    words: str | None = quantity_field(
+        "mean_words", "reason why no mean friction torque can be computed", heading="mean friction torque"
+    )
 
 
 @result_record(eq=False, repr=False, kw_only=True)
@@ -494,12 +505,18 @@ class Friction(InOrderOfKeys, FrictionTorques, TabularRecord):
         Returns
         -------
         list[Row]
-            The rows; without details, empty for other kinds of scene.
+            The rows; those of single parts always have all quantities.
         """
+        details = details or type(self) is not Friction
         whole = self if details or self.speed is not None else replace(self, loss=None)
-        groups = None if self.sets == () and not details else whole, self.band
-        rows = [row for record in groups if record is not None for row in group_rows(record, details=details)]
-        return [*rows, *record_rows({"drive": self.drive}, None, (self,), details=details)]
+        groups = {} if self.sets == () and not details else {"": whole}
+        groups |= {x.key.split(".")[-1]: getattr(self, name) for name, x in quantity_descriptions(type(self)) if not x.show}
+        records = {key: x for key, x in groups.items() if is_dataclass(x) and key != "drive"}
+        rows = [row for key, record in records.items() for row in group_rows(record, key, details=details)]
+        rows += record_rows({"drive": self.drive}, None, (self,), details=details)
+        if self.run is None or not details:
+            return rows
+        return [*rows, *json_rows(transient_simulation_as_json(self.run), "over time")]
 
     def __repr__(self) -> str:
         """Return the first five lines of the table."""
@@ -518,7 +535,7 @@ class Friction(InOrderOfKeys, FrictionTorques, TabularRecord):
         if self.cases:
             return [{"case": name} | dict(row) for name, one in self.cases.items() for row in one.frame_rows()]
         if self.balls:
-            return [dict(_flat_columns(record_as_json(ball))) for ball in self.balls]
+            return [dict(flat_columns(record_as_json(ball))) for ball in self.balls]
         return [{f"{name}_Nmm": 1e3 * value for name, value in self._torques().items()}]
 
     def units(self) -> dict[str, str]:
@@ -576,12 +593,12 @@ class Friction(InOrderOfKeys, FrictionTorques, TabularRecord):
                 yield Panel(title, "number_of_ball", "power lost / mW", series, include_zero=True, integer_x=True)
 
 
-def _flat_columns(row: Mapping[str, Any], start: str = "") -> Iterator[tuple[str, Any]]:
+def flat_columns(row: Mapping[str, Any], start: str = "") -> Iterator[tuple[str, Any]]:
     """Yield name and value of each column of a JSON row, whose objects and lists have a column for each entry."""
     for key, value in row.items():
         if isinstance(value, Mapping):
-            yield from _flat_columns(value, f"{start}{key}_")
+            yield from flat_columns(value, f"{start}{key}_")
         elif isinstance(value, list):
-            yield from _flat_columns({str(k): x for k, x in enumerate(value, 1)}, f"{start}{key}_")
+            yield from flat_columns({str(k): x for k, x in enumerate(value, 1)}, f"{start}{key}_")
         elif value is not None:
             yield f"{start}{key}", value

@@ -245,7 +245,7 @@ class FrictionOfScrewRun(Friction):
     friction_change: float = quantity_field(
         "solver.feedback_change_N", "change of a friction force in the last round between loads and friction"
     )
-    over_time: TransientRun = quantity_field(
+    run: TransientRun = quantity_field(
         "run",
         "",
         QuantityDescription("steps", show=lambda run: run.history.steps),

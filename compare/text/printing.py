@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.errors import escape_unprintable
-from rollbench.compare.quantities import quantity_value
+from rollbench.compare.quantities import format_range, quantity_value
 from rollbench.compare.running import clear_progress_line
 
 if TYPE_CHECKING:
@@ -276,13 +276,21 @@ def plain_table(
 def table_of_records(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title: str | None = None) -> Table:
     """Return a table without rules from rows of values, whose keys become the headings.
 
-    ``digits``: number format of Python for all numbers. ``title``: title of the table; None: no title. Columns without
-    values are left out; columns of texts are left-aligned.
+    ``digits``: number format of Python for all numbers; a list of two numbers is shown as a range. ``title``: title of the
+    table; None: no title. Columns without values are left out; columns of texts are left-aligned.
     """
-    kept = {k: k.replace("_", " ").replace("percent", "%") for k in rows[0] if any(row[k] is not None for row in rows)}
-    left = [heading for key, heading in kept.items() if isinstance(rows[0][key], str)]
-    texts = ([format_cell(row[k], digits if isinstance(row[k], float) else "s") for k in kept] for row in rows)
+    keys = dict.fromkeys(key for row in rows for key, value in row.items() if value is not None)
+    kept = {key: key.replace("_", " ").replace("percent", "%") for key in keys}
+    left = [heading for key, heading in kept.items() if isinstance(rows[0].get(key), str)]
+    texts = ([_format_record_value(row.get(key), digits) for key in kept] for row in rows)
     return _new_table(kept.values(), texts, left, title=title, box=None, pad_edge=False, padding=(0, 1, 0, 0))
+
+
+def _format_record_value(value: Any, digits: str) -> str:
+    """Format a value of a record: a list of two numbers as a range; ``digits``: number format of a single number."""
+    return (
+        format_range(value) if isinstance(value, list) else format_cell(value, digits if isinstance(value, float) else "s")
+    )
 
 
 def _new_table(headings: Iterable[str], rows: Iterable[Iterable[str]], left_aligned: Collection[str], **look: Any) -> Table:

@@ -29,7 +29,7 @@ from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.compare.studies.survey_models import Survey, SurveyRow
 from rollbench.compare.studies.sweep.keys import read_varied_keys
 from rollbench.compare.studies.sweep.run import GroupMean, SobolIndex, SobolIndices, Sweep, SweepDefinition
-from rollbench.compare.text.friction import ball_tables, friction_lines
+from rollbench.compare.text.friction import friction_tables
 from rollbench.lowfi.bearings.torque import RollerBearingTorque
 
 OF_LOADS = LoadError(5.0, 2.0, 6.0, 3.0, 4, "SL", 5.5)
@@ -191,9 +191,7 @@ def test_every_number_of_friction_is_in_its_json_and_the_loss_in_its_text(scene:
         if changed.to_dict() == before and not (path.startswith("over[") and path.split(".")[-1].startswith(OF_FIRST))
     ]
     assert not silent
-    rows, lines = found.rows(), friction_lines(found)
-    more = replace(found, loss=2.0 * found.loss)
-    assert (more.rows(), friction_lines(more)) != (rows, lines)
+    assert replace(found, loss=2.0 * found.loss).rows() != found.rows()
 
 
 TORQUES = {"torque": 1.0, "driving_torque_on_screw": 2.0}
@@ -209,7 +207,8 @@ WHOLE_BALL = FrictionBall(
     keys=OF_BALL,
 )
 FILM = RollerBearingTorque(1.0, 2.0, 3.0, low=4.0, high=5.0, timken=6.0, words="")
-AT_COEFFICIENTS = FrictionAtCoefficients(screw=0.1, nut=0.1, keys=(), **TORQUES)
+OVER_KEYS = ("friction_torque_Nmm", "driving_torque_on_screw_Nmm")
+AT_COEFFICIENTS = FrictionAtCoefficients(screw=0.1, nut=0.1, keys=OVER_KEYS, **TORQUES)
 ON_SHAFT = Friction(
     scene="a",
     title="",
@@ -228,6 +227,8 @@ ON_SHAFT = Friction(
 )
 OF_SCREW = {"forward_torque": 6.0, "backward_torque": 7.0, "efficiency_forward": 0.8, "efficiency_backward": 0.7}
 OF_SCREW |= {"drag_torque": 3.0}
+KEYS_OF_SCREW = ("drag_torque_Nmm", "forward_torque_Nmm", "backward_torque_Nmm")
+KEYS_OF_SCREW += ("efficiency_forward_percent", "efficiency_backward_percent")
 ONE_NUT = replace(
     ON_SHAFT,
     kind="ball screw",
@@ -236,7 +237,7 @@ ONE_NUT = replace(
     axial_friction=1.0,
     torque_without_feedback=1.0,
     sets=None,
-    over=(replace(AT_COEFFICIENTS, **OF_SCREW),) * 2,
+    over=(replace(AT_COEFFICIENTS, keys=(*OVER_KEYS, *KEYS_OF_SCREW), **OF_SCREW),) * 2,
     by_contact=(LOSSES,),
     roller_torques=(),
     **TORQUES,
@@ -253,9 +254,9 @@ OF_CASES = replace(
 )
 #: Friction of several nuts, of one and in load cases; starts of the paths that tables show, and fields they leave out.
 OF_TABLES = (
-    (ON_SHAFT, ("sets", "over", "balls", "roller_torques[0].torque"), ("nut", "hysteresis", "film", "rib")),
-    (ONE_NUT, ("over", "balls", "by_contact"), ("nut", "set", "driving_torque_on_screw")),
-    (OF_CASES, ("cases[push].balls", "cases[push].share", "cases[push].drag_torque", "cases[push].axial_load"), ("set",)),
+    (ON_SHAFT, ("sets", "over", "balls", "roller_torques[0].torque"), ("hysteresis", "film", "rib")),
+    (ONE_NUT, ("over", "balls", "by_contact"), ()),
+    (OF_CASES, ("cases[push].balls", "cases[push].share", "cases[push].drag_torque", "cases[push].axial_load"), ()),
 )
 
 
@@ -279,5 +280,7 @@ def test_every_changed_number_of_friction_is_shown_in_its_tables(
 
 
 def test_a_shaft_without_balls_has_no_table_of_balls() -> None:
-    assert [title for title, *_ in ball_tables(ON_SHAFT)] == ["per ball"]
-    assert ball_tables(replace(ON_SHAFT, balls=())) == []
+    shown = [
+        [title for title, _ in friction_tables(found, balls=True)] for found in (ON_SHAFT, replace(ON_SHAFT, balls=()))
+    ]
+    assert [titles.count("per ball") for titles in shown] == [1, 0]

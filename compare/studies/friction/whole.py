@@ -27,7 +27,7 @@ from rollbench.compare.results.friction import FrictionBand, FrictionOnset, Fric
 from rollbench.compare.scenes.scene_file import kind_of_scene
 from rollbench.compare.studies.friction import answer as output
 from rollbench.compare.studies.friction import run as friction_run
-from rollbench.compare.text.friction import WIDE, format_three_digits, heathcote_slip_clause
+from rollbench.compare.text.friction import format_three_digits
 from rollbench.lowfi.friction.whole.circuit import contact_onset
 from rollbench.lowfi.friction.whole.state import FrictionCase, FrictionState, friction_of_curved_contacts, friction_states
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
@@ -569,6 +569,9 @@ KEYS = (
     *REMARKS,
 )
 
+#: Relative change of the contact losses by Heathcote slip above which a warning is given.
+WIDE = 0.03
+
 #: Keys of the torques for each pair of coefficients of friction.
 OVER_KEYS = (
     *("friction_torque_Nmm", "drag_torque_Nmm", "forward_torque_Nmm", "backward_torque_Nmm"),
@@ -598,7 +601,8 @@ def friction_of_solved_loads(
     warnings = [*result.warnings, *warnings_of_set(loads, axial_preload(solved))]
     warnings += notes_on_friction_feedback(solved, result, state)
     if abs(slip) > WIDE:
-        warnings.append(ResultWarning("slip", f"the contacts are so wide that {heathcote_slip_clause(slip)}"))
+        text = "the contacts are so wide that their curvature (Heathcote slip) would change the friction torque, which"
+        warnings.append(ResultWarning("slip", f"{text} leaves it out, by {100.0 * slip:+.2g} %"))
     over = (
         records.FrictionAtCoefficients(
             screw=f.screw, nut=f.nut, keys=OVER_KEYS, **friction_torques(s.friction_sums, d.torque)

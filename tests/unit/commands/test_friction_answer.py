@@ -13,7 +13,7 @@ from rollbench.compare.commands.friction import friction_terminal_parts, solve_a
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.friction.solve import solve_friction_of_named_scene, solve_friction_of_scene
 from rollbench.compare.studies.friction.whole import FrictionChoices
-from rollbench.compare.text.friction import format_three_digits, friction_lines, friction_tables
+from rollbench.compare.text.friction import format_three_digits, friction_tables
 from rollbench.lowfi.friction.whole import feedback as ball_feedback
 from rollbench.meshes.parts import Errors, Friction, Motion
 
@@ -85,10 +85,8 @@ def test_coefficients_of_the_command_line_and_a_table_over_them():
     rows = found.as_json()["over_friction"]
     assert [r["screw"] for r in rows] == [0.08, 0.0, 0.04]
     assert rows[0]["friction_torque_Nmm"] == pytest.approx(2.0 * rows[2]["friction_torque_Nmm"], rel=1e-2)
-    assert (rows[1]["efficiency_forward_percent"], friction_tables(found)[-1][0]) == (
-        100.0,
-        "over the coefficient of friction",
-    )
+    assert rows[1]["efficiency_forward_percent"] == 100.0
+    assert dict(friction_tables(found, balls=False))["over the coefficient of friction"] == rows
     assert found.as_json()["friction"] == {"screw": 0.08, "nut": 0.08}
 
 
@@ -224,6 +222,7 @@ def test_torques_over_the_measured_coefficients_stand_beside_the_maker_s_formula
     formula = 0.05 / np.sqrt(tangent) * data["preload_N"] * 1e3 * scene.track.lead / (2 * np.pi)
     assert data["makers_formula_Nmm"] == pytest.approx(formula, rel=1e-9)
     assert 0.5 < data["drag_torque_Nmm"][1] / data["makers_formula_Nmm"] < 2.0
-    assert f"{format_three_digits(data['makers_formula_Nmm'])} N mm" in " ".join(text for _, text in friction_lines(found))
+    said = next(row for row in found.rows() if row.quantity == "drag torque by THK's formula")
+    assert (float(said.value), said.unit) == (pytest.approx(data["makers_formula_Nmm"], rel=5e-3), "N mm")
     bare = answer(replace(scene, errors=Errors())).as_json()["band"]
     assert (bare["makers_formula_Nmm"], bare["drag_torque_Nmm"]) == (None, None)

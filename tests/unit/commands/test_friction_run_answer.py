@@ -17,7 +17,6 @@ from rollbench.compare.report import scene_page as page
 from rollbench.compare.results.friction_run import transient_simulation_as_json
 from rollbench.compare.studies.friction import run as runs
 from rollbench.compare.studies.friction import whole
-from rollbench.compare.text import friction as text
 from rollbench.lowfi.friction.screw.travel import TimeStepErrorEstimate, TimeStepErrors, simulate
 from rollbench.meshes.parts import Time
 
@@ -59,7 +58,7 @@ def test_error_of_the_steps_stands_in_every_result_and_steps_are_chosen_where_no
     assert error["steps"] == [5, 10, 20]
     assert error["torque_percent"] > 0.0
     assert all(0.0 <= error[f"{name}_torque_percent"] < 1.0 for name in ("mean", "most", "least"))
-    assert any("error of the time steps" in said for _, said in text.friction_lines(answer))
+    assert ("over time: step error, torque", "%") in [(row.quantity, row.unit) for row in answer.rows(details=True)]
     found = solved(sparse(), angle=0.5, output="torque").as_json()["run"]
     assert (found["step_error"]["small"], found["steps"]) == (True, found["step_error"]["steps"][-1])
     assert "balls" not in found
@@ -87,11 +86,9 @@ def test_a_run_that_stopped_says_where_and_sums_over_what_it_ran():
     tries = []
     full, history = simulate(whole, 0.02, 4), simulate(replace(whole, solve_contact_loads=solve), 0.02, 4)
     run, degrees = runs.simulation_with_status(history, None, Time(angle=0.2, steps=4)), np.degrees(0.2)
-    data, lines = transient_simulation_as_json(run), text.lines_on_simulation(run)
+    data = transient_simulation_as_json(run)
     assert (data["steps"], data["complete"]) == (3, False)
     assert (data["reached_deg"], data["asked_deg"]) == pytest.approx((0.75 * degrees, degrees))
-    assert lines[0][1].startswith(f"stopped at {0.75 * degrees:.6g} deg of {degrees:.6g} deg, in 3 steps")
-    assert "unknown, the run stopped before its end" in lines[1][1]
     assert data["step_error_unknown"] == "the run stopped before its end"
     assert data["energy"]["loss_J"] == pytest.approx(0.005 * float((full.torque[:3] * TURN.speed).sum()))
 

@@ -11,7 +11,6 @@ from tests.lin_root_oracle import balls_of_linear_bearing
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.studies.friction.solve import solve_friction_of_named_scene
 from rollbench.compare.studies.friction.whole import FrictionChoices
-from rollbench.compare.text.friction import friction_lines
 from rollbench.lowfi.friction.linear.bearing import loads_of_elastic_contacts
 from rollbench.lowfi.friction.linear.chain import carriage_drive_force, find_second_equilibrium, prepare_linear_chain
 from rollbench.lowfi.friction.screw.chain import solve_motion_of_chain
@@ -106,6 +105,6 @@ def test_a_typed_chain_says_what_is_known_of_a_jammed_state(mu_balls, said, tmp_
     found = solve_friction_of_named_scene(chain_file(tmp_path, mu_balls), FrictionChoices())
     assert found.converged
     assert found.as_json()["pairs"][0]["force_N"] == 0.0
-    assert any(said in text for _, text in friction_lines(found))
+    assert any(said in row.note for row in found.rows())
     assert (found.as_json()["second_state"] is not None) is (mu_balls > LIMIT)
     assert any(w.kind == "jam" for w in found.as_json()["warnings"]) is (mu_balls > LIMIT)

@@ -199,7 +199,7 @@ def simulate_screw_over_time(scene: ScrewRunScene) -> parts.FrictionOfScrewRun:
         **spent,
         largest_imbalance=None if spent["power_balance_percent"] is None else largest,
         friction_change=float(h.change.max()) if run.coupling != "none" else 0.0,
-        over_time=in_time,
+        run=in_time,
         warnings=tuple(contact_size_warnings_of_screw(run.groove, h.load)),
     )
 
