@@ -7,22 +7,18 @@ import re
 import shutil
 import sys
 import textwrap
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.errors import escape_unprintable
-from rollbench.compare.quantities import format_range, quantity_value
+from rollbench.compare.quantities import format_range
 from rollbench.compare.running import clear_progress_line
 
 if TYPE_CHECKING:
     from rich.table import Column as RichColumn
     from rich.table import Table
-
-
-#: Column of a table on the terminal: key of its value in a row or function that takes the row, heading, number format.
-Column = tuple[str | Callable[[Any], Any], str, str]
 
 
 @dataclass(frozen=True)
@@ -279,7 +275,7 @@ def table_of_records(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", tit
     ``digits``: number format of Python for all numbers; a list of two numbers is shown as a range. ``title``: title of the
     table; None: no title. Columns without values are left out; columns of texts are left-aligned.
     """
-    keys = dict.fromkeys(key for row in rows for key, value in row.items() if value is not None)
+    keys = [key for key in dict.fromkeys(key for row in rows for key in row) if any(row.get(key) is not None for row in rows)]
     kept = {key: key.replace("_", " ").replace("percent", "%") for key in keys}
     left = [heading for key, heading in kept.items() if isinstance(rows[0].get(key), str)]
     texts = ([_format_record_value(row.get(key), digits) for key in kept] for row in rows)
@@ -303,17 +299,3 @@ def _new_table(headings: Iterable[str], rows: Iterable[Iterable[str]], left_alig
     for row in rows:
         out.add_row(*row)
     return out
-
-
-def selected_columns_table(title: str, columns: Sequence[Column], rows: Iterable[Any]) -> Table:
-    """Return a table with title and rules from rows of values.
-
-    ``columns``: the shown columns. ``rows``: values by key, or records with quantities of these keys.
-    """
-
-    def value(row: Any, of: str | Callable[[Any], Any]) -> Any:
-        """Return the value of ``row`` in the column whose key or function is ``of``."""
-        return of(row) if callable(of) else row[of] if isinstance(row, Mapping) else quantity_value(row, of)
-
-    texts = ([format_cell(value(row, of), form) for of, _, form in columns] for row in rows)
-    return ruled_table(title, [heading for _, heading, _ in columns], texts)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,16 +11,22 @@ import numpy as np
 from rollbench.compare.measure import mean_load
 from rollbench.compare.models.programs import model_title
 from rollbench.compare.models.registry import has_random_errors
-from rollbench.compare.models.set_results import SetResult
-from rollbench.compare.quantities import count_with_noun, format_by_error, json_number, quantities_of_record, quantity_value
+from rollbench.compare.quantities import (
+    count_with_noun,
+    format_by_error,
+    json_number,
+    quantities_of_record,
+    quantity_value,
+    record_as_json,
+)
 from rollbench.compare.results.base import format_table_as_text
+from rollbench.compare.results.friction import flat_columns
 from rollbench.compare.results.load_curve import LoadCurve
 from rollbench.compare.results.rows import bearing_and_nut_rows, duty_cycle_rows, expected_error_sentence, nested_records
 from rollbench.compare.results.side_by_side import NUMBERS, Alternative, SideBySide
 from rollbench.compare.results.solved import CycleResult, Result
 from rollbench.compare.results.table import ERROR_OF, Table, TableRow
 from rollbench.compare.text import printing
-from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.result import HEAT, AxisResult, Equilibrium, SolverReport, motion_in_um_and_mrad
 from rollbench.lowfi.statics.tangent import TangentStiffness
 from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
@@ -29,20 +35,6 @@ from rollbench.meshes.parts import FREEDOMS, SIDES
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
-
-
-#: Columns of the table of a load curve: key in the JSON of a point, heading, number format.
-CURVE_COLUMNS = (
-    ("load_factor", "load factor", ".3g"),
-    ("load_N", "load N", ".5g"),
-    ("nut_displacement_um", "nut um", ".4f"),
-    ("nut_tangent_N_per_um", "nut N/um", ".5g"),
-    ("load_point_displacement_um", "point um", ".4f"),
-    ("load_point_tangent_N_per_um", "point N/um", ".5g"),
-    ("largest_load_N", "largest load N", ".5g"),
-    ("friction_torque_Nmm", "friction torque N mm", ".3g"),
-    ("status", "status", "s"),
-)
 
 
 #: Ratio of a force component to the largest component of the force, below which the component counts as round-off.
@@ -63,20 +55,16 @@ def solved_case_parts(found: Result, *, balls: bool = False, details: bool = Fal
     details = details or not found.converged
     if isinstance(scene, Assembly):
         drawn, title = f", {count_with_noun(len(scene.sets), 'set')}", [scene.title]
-        tables = _nut_bearing_and_housing_tables(found, balls=balls, stiffness=details or stiffness)
         heat = [f"note: left out is the {HEAT}"] if scene.thermal_strain and not details else []
     else:
         drawn = f", specimen {found.member} of its random errors" if has_random_errors(scene) else ""
-        tables = _ball_and_flank_tables(found) if balls else []
         grid = found.discretisation_percent
         measured = "" if grid is None else f" (discretisation error {grid:.1e} % of the mean load)"
-    answers = found.rows(details=details)
-    if answers:
-        table, expected = (
-            format_table_as_text(answers, printing.text_width()),
-            expected_error_sentence(found.expected_error),
-        )
-        tables = ["", table, "", *tables, expected]
+    tables = _nut_bearing_and_housing_tables(found, stiffness=details or stiffness)
+    tables += _ball_and_roller_tables(found) if balls else []
+    if answers := found.rows(details=details):
+        table = format_table_as_text(answers, printing.text_width())
+        tables = ["", table, "", *tables, expected_error_sentence(found.expected_error)]
     behind += solver_lines(result.solver, measured)
     notes = [f"note: {line}" for line in result.solver.notes]
     return [
@@ -140,17 +128,15 @@ def load_curve_parts(curve: LoadCurve, *, details: bool = False) -> list[Any]:
     lash = f"not known: {curve.lash_words}" if curve.lash_words else size(curve.lash, 1e6, "um")
     sides = ((curve.backward, "below"), (curve.forward, "above"))
     stiff = " and ".join(f"{size(value, 1e-6, 'N/um')} {words}" for value, words in sides if value is not None)
-    used = [c for c in CURVE_COLUMNS if any(quantity_value(point, c[0]) is not None for point in curve.points)]
-    if curve.converged and all(point.status == "converged" for point in curve.points):
-        used.remove(CURVE_COLUMNS[-1])
+    without = ["status"] if all(point.status == "converged" for point in curve.points) else []
     return [
         f"{curve.scene}, model {model_title(curve.model)}: load along {way} at {curve.at}, {len(curve.points)} points",
         *([curve.above] if curve.above else []),
         f"lash (backlash between loads of both signs): {lash}; displacement from end to end of the curve "
         f"{size(curve.peak_to_peak, 1e6, 'um')}",
         *([f"stiffness from the ends of the lash to the ends of the curve: {stiff}"] if stiff else []),
-        "um and N/um: displacement and tangent of the nut or bearing without its shaft, and of the load's point to ground",
-        printing.selected_columns_table("", used, curve.points),
+        "displacement and tangent of the nut or bearing without its shaft, and of the load's point to ground",
+        printing.table_of_records([record_as_json(point, *without) for point in curve.points], ".5g"),
         *(f"warning: {line}" for line in curve.warnings),
         *([f"assumed: {line}" for line in curve.assumed] if details else []),
     ]
@@ -210,37 +196,33 @@ def _force_balance_lines(equilibrium: Equilibrium, *, several: bool) -> list[str
     return lines
 
 
-def _ball_and_flank_tables(found: Result) -> list[RenderableType]:
-    """Return a table with loads and angles of every ball, and one with largest and smallest load of each groove flank.
+def _ball_and_roller_tables(found: Result) -> list[RenderableType]:
+    """Return the tables of balls with loads and angles on the loaded groove flanks, of these flanks, and of rollers.
 
-    Loads are rounded to the digits that their expected error justifies. The list is empty if no contact is loaded.
+    Loads are rounded to the digits that their expected error justifies.
     """
-    one, error = found.only, None
-    if one is None or one.loads is None or one.azimuth is None or one.z is None or one.angles is None:
-        return []
-    if found.expected_error is not None and found.expected_error.loads is not None:
-        error = mean_load(one.loads, one.nominal_contacts) * found.expected_error.loads / 100.0
-    sides = [k for k in range(4) if (one.loads[:, k] > 0.0).any()]
-    if not sides:
-        return []
-    headings, rows = ["ball", "deg", "z mm", *(x for k in sides for x in (f"{SIDES[k]} N", "angle"))], []
-    for i, (azimuth, z) in enumerate(zip(one.azimuth, one.z, strict=True)):
-        cells = [str(i + 1), f"{math.degrees(azimuth):.1f}", f"{1e3 * z:.2f}"]
-        for k in sides:
-            angle = math.degrees(one.angles[i, k])
-            cells += [format_by_error(one.loads[i, k], error), f"{angle:.2f}" if math.isfinite(angle) else "–"]
-        rows.append(cells)
-    sums = (
-        (
-            side,
-            *(format_by_error(x, error) for x in (s.largest, s.smallest, s.ratio)),
-            str(s.loaded_contacts),
-            str(s.unloaded_contacts),
-        )
-        for side, s in (one.load_of_flanks or {}).items()
-    )
-    summed = printing.plain_table(("flank", "max N", "min N", "max/min", "loaded", "unloaded"), sums)
-    return [printing.plain_table(headings, rows), "", summed, ""]
+    numbered = [({} if found.only else {"set": str(k)}, s) for k, s in enumerate(found.sets.values(), 1)]
+    of_balls = [ball.load for _, s in numbered for ball in s.ball_rows()]
+    loaded = [side for k, side in enumerate(SIDES) if any(load[k] > 0.0 for load in of_balls)]
+    balls, flanks, rollers = (list[dict[str, Any]]() for _ in range(3))
+    for head, s in numbered:
+        expected, error = None if found.expected_error is None else found.expected_error.loads, None
+        if expected is not None and s.loads is not None:
+            error = mean_load(s.loads, s.nominal_contacts) * expected / 100.0
+        for ball in s.ball_rows() if loaded else ():
+            row = head | {"ball": str(ball.index), "deg": math.degrees(ball.azimuth), "z mm": 1e3 * ball.z}
+            for side, load, angle in zip(SIDES, ball.load, ball.angle, strict=True):
+                if side in loaded:
+                    shown = json_number(math.degrees(angle)) if load > 0.0 else None
+                    row |= {f"{side} N": format_by_error(load, error), f"{side} angle": shown}
+            balls.append(row)
+        for side, x in (s.load_of_flanks or {}).items():
+            ends = {"max N": x.largest, "min N": x.smallest, "max/min": x.ratio}
+            counts = {"loaded": x.loaded_contacts, "unloaded": x.unloaded_contacts}
+            flanks.append(head | {"flank": side} | {key: format_by_error(v, error) for key, v in ends.items()} | counts)
+        rollers += [head | dict(flat_columns(record_as_json(roller))) for roller in s.roller_rows()]
+    tables = ((balls, ".2f"), (flanks, ".4g"), (rollers, ".5g"))
+    return [part for rows, digits in tables if rows for part in (printing.table_of_records(rows, digits), "")]
 
 
 def tangent_stiffness_parts(tangent: TangentStiffness) -> list[RenderableType]:
@@ -258,17 +240,16 @@ def tangent_stiffness_parts(tangent: TangentStiffness) -> list[RenderableType]:
     return ["", head, printing.plain_table(("", *FREEDOMS), rows)]
 
 
-def _nut_bearing_and_housing_tables(found: Result, *, balls: bool, stiffness: bool) -> list[Any]:
+def _nut_bearing_and_housing_tables(found: Result, *, stiffness: bool) -> list[Any]:
     """Return the tables and lines in which the terminal shows the nuts, bearings and housings of a shaft.
 
-    ``balls``: also the tables of balls and rollers. ``stiffness``: also the stiffness of the shaft.
+    ``stiffness``: also the stiffness of the shaft.
     """
     if not found.converged or not isinstance(found.solution, AxisResult):
         return []
     result, rows = found.solution, bearing_and_nut_rows(found.sets)
     cells = [[*row.values()] for row in rows]
     out: list[Any] = [printing.plain_table([*rows[0]], cells, ["set"], blanks=2), ""]
-    out += _ball_and_roller_tables(found.sets) if balls else []
     for h in result.housings:
         motion = {n.partition("_"): x for n, x in motion_in_um_and_mrad(h.motion).items() if x}
         moved = ", ".join(f"{freedom} {x:.4g} {unit}" for (freedom, _, unit), x in motion.items())
@@ -277,35 +258,6 @@ def _nut_bearing_and_housing_tables(found: Result, *, balls: bool, stiffness: bo
         reaction = f"force of the frame on it ({force}) N; relative residual of its balance {h.residual:.1e}"
         out.append(f"{h.name}: {moved or 'does not move'}; {reaction}")
     return [*out, *(_axis_stiffness_lines(result) if stiffness else [])]
-
-
-def _ball_and_roller_tables(sets: Mapping[str, SetResult]) -> list[RenderableType]:
-    """Return the table of all balls, with loads and angles on the loaded groove flanks, and the table of all rollers."""
-    out: list[RenderableType] = []
-    numbered = [*enumerate(sets.values(), 1)]
-    balls = [(k, ball) for k, s in numbered for ball in s.ball_rows()]
-    loaded = [side for side in range(len(SIDES)) if any(ball.load[side] > 0.0 for _, ball in balls)]
-    if loaded:
-        headings = ["set", "ball", "azimuth deg", *(x for side in loaded for x in (f"{SIDES[side]} N", "angle deg"))]
-        rows = []
-        for k, ball in balls:
-            cells = [str(k), str(ball.index), f"{math.degrees(ball.azimuth):.2f}"]
-            for side in loaded:
-                cells += [f"{ball.load[side]:.3f}", printing.format_cell(json_number(np.degrees(ball.angle[side])), ".3f")]
-            rows.append(cells)
-        out.append(printing.ruled_table("balls", headings, rows))
-    rollers = [(k, roller) for k, s in numbered for roller in s.roller_rows()]
-    if rollers:
-        headings = ["set", "roller", "azimuth deg", "load N", "largest N/mm", *(f"{race} MPa" for race in RACES)]
-        rows = [
-            [
-                *(str(k), str(roller.index), f"{math.degrees(roller.azimuth):.2f}", f"{roller.load:.3f}"),
-                *(f"{1e-3 * roller.line_load:.3f}", *(f"{1e-6 * roller.pressure[race]:.0f}" for race in RACES)),
-            ]
-            for k, roller in rollers
-        ]
-        out.append(printing.ruled_table("rollers", headings, rows))
-    return out
 
 
 def _axis_stiffness_lines(result: AxisResult) -> list[str]:

@@ -139,7 +139,7 @@ def test_27700_N_on_one_roller_is_no_success_and_all_rollers_are_listed(command,
     assert max(r["pressure_MPa"]["inner"] for r in listed) == worst["pressure_MPa"]
     assert max(r["pressure_MPa"]["outer"] for r in listed) == worst["other_race_pressure_MPa"]
     assert all(r["pressure_MPa"] == {"inner": 0.0, "outer": 0.0} for r in listed if r["load_N"] == 0.0)
-    assert "inner MPa" in command.said("solve", tmp_path / "lateral.toml", "--balls")
+    assert "pressure MPa inner" in command.said("solve", tmp_path / "lateral.toml", "--balls")
 
 
 def test_load_cases_of_rollers_have_a_worst_pressure(command, tmp_path):
