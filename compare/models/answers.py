@@ -6,7 +6,7 @@ deep-groove bearing near one end of its axial play.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import degrees, sin
 
@@ -29,7 +29,7 @@ from rollbench.lowfi.rating.iso_lives import modified_life
 from rollbench.lowfi.rating.life import Life, dynamic_rating
 from rollbench.lowfi.rating.rigidity import AxialRigidities, axial_force, three_axial_rigidities
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
-from rollbench.lowfi.statics.result import AxisResult, StaticResult
+from rollbench.lowfi.statics.result import AxisResult, StaticResult, StaticSolution
 from rollbench.lowfi.statics.result import SetResult as SetOnShaft
 from rollbench.lowfi.statics.tangent import TangentStiffness, tangent_stiffness
 from rollbench.lowfi.warned import ResultWarning
@@ -251,17 +251,66 @@ def tangent_stiffness_at_nut(scene: Scene, model: str, options: ModelOptions) ->
     return (tangent, "") if tangent.status == "converged" else (None, tangent.status)
 
 
-def motion_of_unloaded_screw(unloaded: StaticResult, at: float | str) -> Array:
-    """Return the motion (6,) [m, rad] of a section of the unloaded screw from its nominal position.
+def motion_of_unloaded_screw(unloaded: StaticSolution, at: float | str) -> Array:
+    """Return the motion (6,) [m, rad] of a section or housing of the unloaded scene from its nominal position.
 
-    ``unloaded``: result of the scene without loads; ``at``: axial position of the section. Displacements under load are
-    measured from this position. It is zero if no contact fixes the unloaded screw.
+    ``unloaded``: result of the scene without loads; ``at``: axial position of the section, or name of the housing.
+    Displacements under load are measured from this position. With one nut or bearing it is zero if no contact fixes the
+    unloaded screw; with several it is nan if they have no equilibrium.
     """
-    held = unloaded.converged and (unloaded.load > 0.0).any()
-    return motion_at(unloaded, at) if held else np.zeros(6)
+    if isinstance(unloaded, StaticResult):
+        return motion_at(unloaded, at) if unloaded.converged and (unloaded.load > 0.0).any() else np.zeros(6)
+    return motion_at(unloaded, at) if unloaded.converged else np.full(6, np.nan)
 
 
-def results_of_single(
+def unsolved_sets(scene: Scene | Assembly, result: StaticResult | AxisResult) -> dict[str, SetResult]:
+    """Return each nut or bearing of a scene without equilibrium by name, without results."""
+    if isinstance(result, AxisResult):
+        return {s.of.name: SetResult(name=s.of.name, parts=s.of.parts, balls=s.balls, on_shaft=s) for s in result.sets}
+    assert isinstance(scene, Scene), "a scene with one nut or bearing has the result of one"
+    return {"": SetResult(parts=scene, balls=result)}
+
+
+def results_of_sets(
+    scene: Scene | Assembly,
+    result: StaticResult | AxisResult,
+    bare: StaticResult | AxisResult,
+    stiffness: Sequence[NutStiffness],
+    lift_off: Sequence[loading.LiftOff | None],
+    member: int,
+) -> dict[str, SetResult]:
+    """Compute the results of each nut or bearing of a scene, such as life, rigidity and preload, by its name.
+
+    Parameters
+    ----------
+    scene
+        Scene with one nut or bearing row, or with several on one shaft.
+    result, bare
+        Converged result of the scene, and its result without loads.
+    stiffness
+        Displacement and stiffness of each nut or bearing.
+    lift_off
+        For each nut or bearing, load at which its first preloaded contact opens.
+    member
+        Number of the random draw of the geometric errors, from 0.
+
+    Returns
+    -------
+    dict
+        The results; of nuts on a shaft without friction.
+    """
+    if isinstance(scene, Scene):
+        assert isinstance(result, StaticResult)
+        assert isinstance(bare, StaticResult)
+        return {"": _results_of_single(scene, result, bare, stiffness[0], lift_off[0], member)}
+    assert isinstance(result, AxisResult)
+    assert isinstance(bare, AxisResult)
+    unloaded = bare.sets if bare.converged else [None] * len(result.sets)
+    each = zip(result.sets, unloaded, stiffness, lift_off, strict=True)
+    return {one[0].of.name: _results_of_set(scene, *one, result.member) for one in each}
+
+
+def _results_of_single(
     scene: Scene,
     result: StaticResult,
     bare: StaticResult,
@@ -509,7 +558,7 @@ def load_paths_by_body(
     if len(bodies) < 2:
         return () if path is None else (path,)
     without = {name: run_model(others, result.model, options) for name, (_, others) in bodies.items()}
-    found = (loading.load_path_of_assembly(alone, result, without[name], name) for name, (alone, _) in bodies.items())
+    found = (loading.load_path(alone, result, without[name], name) for name, (alone, _) in bodies.items())
     return tuple(x for x in found if x is not None)
 
 
@@ -518,7 +567,7 @@ def load_paths_by_body(
 FREE = 1e-6
 
 
-def results_of_set(
+def _results_of_set(
     assembly: Assembly,
     s: SetOnShaft,
     unloaded: SetOnShaft | None,

@@ -382,14 +382,14 @@ def _zeros_beyond(known: Sequence[tuple[float, Array]]) -> Array:
 LOST = 0.1
 
 
-def lost_preload_warnings(solutions: SolutionsByLoad[AxisResult]) -> Iterator[ResultWarning]:
+def lost_preload_warnings(solutions: SolutionsByLoad[Any]) -> Iterator[ResultWarning]:
     """Yield a warning for each preloaded nut or row on a shaft that the loads leave with less than `LOST` of its loads.
 
     The warning has the factor on the loads at which the last contact of the nut or row opens. ``solutions``: solutions of
     the shaft under multiples of its loads.
     """
     result, unloaded = solutions.result, solutions.at(0.0)
-    if not has_loads(solutions.scene) or not unloaded.converged:
+    if isinstance(solutions.scene, Scene) or not has_loads(solutions.scene) or not unloaded.converged:
         return
     sums, least = [float(loads.sum()) for loads in loads_of_sets(unloaded)], _least_preload(result, unloaded)
     for k, (now, bare, before) in enumerate(zip(result.sets, unloaded.sets, sums, strict=True)):
@@ -511,66 +511,48 @@ class LoadPath:
     loaded_body: str = ""
 
 
-def load_path_of_scene(scene: Scene, result: StaticResult, unloaded: StaticResult) -> LoadPath | None:
-    """Return the shares of the loads that supports and contacts carry, for a scene with one nut or bearing row.
+def load_path(
+    scene: Scene | Assembly, result: StaticResult | AxisResult, unloaded: StaticResult | AxisResult, body: str = ""
+) -> LoadPath | None:
+    """Return the shares of the loads that supports, frames of housings and contacts carry.
 
     Parameters
     ----------
     scene
-        Scene with one nut or bearing row.
+        Scene with one nut or bearing row, or with several on one shaft.
     result
         Result of the scene.
     unloaded
         Result of the scene without loads.
-
-    Returns
-    -------
-    LoadPath or None
-        Loads, reactions and contact forces; None without loads.
-    """
-    applied = sum_of_loads(scene.loads)
-    if not applied.any():
-        return None
-    change = _contact_wrench_on_screw(result) - _contact_wrench_on_screw(unloaded)
-    contacts = resultant_about_origin(np.array([-scene.nut.position]), change[None])  # moment about the nut's centre
-    supports = _support_shares(scene, result, unloaded)
-    return LoadPath(applied, applied, supports, -contacts, scene.track.pitch_radius)
-
-
-def load_path_of_assembly(assembly: Assembly, result: AxisResult, unloaded: AxisResult, body: str = "") -> LoadPath | None:
-    """Return the shares of the loads that supports, frames of housings and contacts carry, for several nuts or rows.
-
-    Parameters
-    ----------
-    assembly
-        Shaft with several nuts or bearing rows.
-    result
-        Result of the assembly.
-    unloaded
-        Result of the assembly without loads.
     body
-        Name of the only loaded body in ``assembly`` (a housing, or "the shaft"); empty: several bodies may be loaded.
+        Name of the only loaded body in ``scene`` (a housing, or "the shaft"); empty: several bodies may be loaded.
 
     Returns
     -------
     LoadPath or None
         Loads, reactions and contact forces; None without loads.
     """
-    on_shaft = sum_of_loads(assembly.loads)
-    applied = on_shaft + sum_of_loads([Load(h.at, h.force, h.moment) for h in assembly.housings])
+    on_shaft = sum_of_loads(scene.loads)
+    applied = on_shaft + sum_of_loads([x for x in _loaded_parts(scene) if isinstance(x, Housing)])
     if not applied.any():
         return None
-    each = [np.concatenate([s.force, s.moment]) for s in result.sets]
-    idle, frames = [np.zeros(6)] * len(each), [np.zeros(6)] * len(result.housings)
+    shares = _support_shares(scene, result, unloaded)
+    if isinstance(scene, Scene):
+        change = _contact_wrench_on_screw(result) - _contact_wrench_on_screw(unloaded)
+        contacts = -resultant_about_origin(np.array([-scene.nut.position]), change[None])  # moment about the nut's centre
+        return LoadPath(applied, on_shaft, shares, contacts, scene.track.pitch_radius)
+    assert isinstance(result, AxisResult)
+    assert isinstance(unloaded, AxisResult)
+    each = np.array([np.concatenate([s.force, s.moment]) for s in result.sets])
+    idle, frames = np.zeros(each.shape), [np.zeros(6)] * len(result.housings)
     if unloaded.converged:
-        idle, frames = [np.concatenate([s.force, s.moment]) for s in unloaded.sets], [h.wrench for h in unloaded.housings]
+        idle = np.array([np.concatenate([s.force, s.moment]) for s in unloaded.sets])
+        frames = [h.wrench for h in unloaded.housings]
     held = zip(result.housings, frames, strict=True)
-    shares = tuple(SupportShare(f"the frame of {h.name}", -(h.wrench - before)) for h, before in held)
-    contacts = np.abs(np.array(each) - np.array(idle)).sum(axis=0)
-    radii = [s.parts.track.pitch_radius for s in assembly.sets if isinstance(s.parts, Scene)]
-    arm = max(radii, default=assembly.screw.outer_diameter / 2.0)
-    supports = _support_shares(assembly, result, unloaded)
-    return LoadPath(applied, on_shaft, (*supports, *shares), contacts, arm, body)
+    shares += tuple(SupportShare(f"the frame of {h.name}", -(h.wrench - before)) for h, before in held)
+    radii = [s.parts.track.pitch_radius for s in scene.sets if isinstance(s.parts, Scene)]
+    arm = max(radii, default=scene.screw.outer_diameter / 2.0)
+    return LoadPath(applied, on_shaft, shares, np.abs(each - idle).sum(axis=0), arm, body)
 
 
 def assemblies_by_loaded_body(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
@@ -590,7 +572,7 @@ def assemblies_by_loaded_body(assembly: Assembly) -> dict[str, tuple[Assembly, A
     return out
 
 
-def sum_of_loads(loads: Sequence[Load]) -> Array:
+def sum_of_loads(loads: Sequence[Load | Housing]) -> Array:
     """Return the sum of the forces and the sum of the moments of external loads, (6,) [N, N m].
 
     Moments of the forces about a common point are not included.
@@ -610,7 +592,7 @@ def _support_shares(scene: Scene | Assembly, result: StaticSolution, unloaded: S
     return tuple(SupportShare(f"the support at {1e3 * s.at:.6g} mm", part) for s, part in parts)
 
 
-def _contact_wrench_on_screw(result: StaticResult) -> Array:
+def _contact_wrench_on_screw(result: StaticSolution) -> Array:
     """Return the force of all contacts on the screw and its moment about the origin, (6,) [N, N m].
 
     Force and moment are zero for a result without equilibrium.

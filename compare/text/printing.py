@@ -275,8 +275,9 @@ def table_of_records(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", tit
     ``digits``: number format of Python for all numbers; a list of two numbers is shown as a range. ``title``: title of the
     table; None: no title. Columns without values are left out; columns of texts are left-aligned.
     """
-    keys = [key for key in dict.fromkeys(key for row in rows for key in row) if any(row.get(key) is not None for row in rows)]
-    kept = {key: key.replace("_", " ").replace("percent", "%") for key in keys}
+    keys = dict.fromkeys(key for row in rows for key in row)
+    known = [key for key in keys if any(row.get(key) is not None for row in rows)]
+    kept = {key: key.replace("_", " ").replace("percent", "%") for key in known}
     left = [heading for key, heading in kept.items() if isinstance(rows[0].get(key), str)]
     texts = ([_format_record_value(row.get(key), digits) for key in kept] for row in rows)
     return _new_table(kept.values(), texts, left, title=title, box=None, pad_edge=False, padding=(0, 1, 0, 0))

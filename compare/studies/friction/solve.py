@@ -23,7 +23,7 @@ from rollbench.compare.models.registry import run_model
 from rollbench.compare.models.set_results import SetResult as ResultOfSet
 from rollbench.compare.results import friction as records
 from rollbench.compare.results.friction import FrictionCases, FrictionOfRollers, FrictionOfSet
-from rollbench.compare.results.solving import solve_shaft
+from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import kind_of_scene
@@ -144,7 +144,8 @@ def solve_friction_of_shaft(assembly: Assembly, choices: friction_whole.Friction
         raise InputError(
             assembly.name, "motion.turns", '"nut"', '"screw"', "let the shaft turn: its nuts and housings stand still"
         )
-    solved = solve_shaft(assembly, choices.model, choices.member)
+    options = ModelOptions(member=choices.member)
+    solved = solve_with_results(assembly, choices.model, options, drives=False)
     result = solved.solution
     assert isinstance(result, AxisResult)
     head: dict[str, Any] = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}

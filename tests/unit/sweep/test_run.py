@@ -15,7 +15,7 @@ from rollbench.compare.models import many
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import run_model
 from rollbench.compare.reference.jobs import ComputingSettings
-from rollbench.compare.results.solving import solve_shaft, solve_with_results
+from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies import columns
 from rollbench.compare.studies.sweep import run as sweeping
@@ -128,7 +128,7 @@ def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_frict
 
 def test_several_sets_have_the_same_outputs():
     found, (assembly, _) = sample_of("double-nut"), solution_of("double-nut")
-    answers = solve_shaft(assembly, "lin")
+    answers = solve_with_results(assembly, "lin", ModelOptions())
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.nut.secant, rel=1e-6)
     assert found["preload_N"] == pytest.approx(max(abs(s.preload.axial) for s in answers.sets.values()), rel=1e-6)
     shortest = min(s.life.revolutions for s in answers.sets.values())
