@@ -363,60 +363,21 @@ def side_by_side(
     >>> [round(x, 1) for x in both.difference_percent("largest_load_N")]
     [0.0, 16.0]
     """
-    origins = [str(x) if isinstance(x, (str, Path)) else x.name for x in scenes]
-    described = [_scene_record(x) for x in scenes]
-    return side_by_side_of_scene_records(described, origins, model, member, stiffness_at, store)
-
-
-def side_by_side_of_scene_records(
-    described: Sequence[Described],
-    names_for_messages: Sequence[str],
-    model: str,
-    member: int,
-    stiffness_at: float | None,
-    store: str | Path | None = None,
-) -> SideBySide:
-    """Solve and compare scenes that have already been read from their files, as `side_by_side` does.
-
-    Parameters
-    ----------
-    described
-        At least two scenes.
-    names_for_messages
-        File or name of each scene, for error messages, and as heading if two scenes have the same name.
-    model
-        Name of the model; if empty, each scene is solved by its default model.
-    member
-        Number of the specimen, from 0.
-    stiffness_at
-        Axial position [m] at which the stiffness is computed in scenes with several nuts or bearings on one shaft; None:
-        the position that each scene states.
-    store
-        Folder of solved scenes, as for `side_by_side`.
-
-    Returns
-    -------
-    SideBySide
-        An `Alternative` for each scene.
-
-    Raises
-    ------
-    rollbench.InputError
-        If there are fewer than two scenes, or the model does not cover one.
-    """
     from rollbench.compare.models.many import in_order, solve_many, stored_in
     from rollbench.compare.models.model import ModelOptions
     from rollbench.compare.results.side_by_side import compare_results_side_by_side
 
+    origins = [str(x) if isinstance(x, (str, Path)) else x.name for x in scenes]
+    described = [_scene_record(x) for x in scenes]
     if len(described) < 2:
         raise ArgumentError("scenes", f"{len(described)} scene(s)", "at least two scenes", "use `solve` for one scene")
     options, names = ModelOptions(member=member), [x.name for x in described]
     solve = partial(solve_scene_record, stiffness=True)
-    pairs = enumerate(zip(described, names_for_messages, strict=True))
+    pairs = enumerate(zip(described, origins, strict=True))
     rows = {k: (x, model, options, stiffness_at, origin) for k, (x, origin) in pairs}
     stored = stored_in(store, "scenes side by side", model, described, *options.inputs, stiffness_at)
     found = [result for _, result in in_order(solve_many(solve, rows, stored=stored), [*rows])]
-    return compare_results_side_by_side(found, names if len(set(names)) == len(names) else names_for_messages)
+    return compare_results_side_by_side(found, names if len(set(names)) == len(names) else origins)
 
 
 @limited_to_one_thread()

@@ -348,20 +348,20 @@ def solve_side_by_side(names: Sequence[str], solve_options: SolveOptions) -> Com
 
     Raises InputError if a scene or an option cannot be used.
     """
-    from rollbench.compare.api.calls import side_by_side_of_scene_records
+    from rollbench.compare.api.calls import side_by_side
     from rollbench.compare.running import checked_time_limit, watch_running_time
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import scenes_to_solve
     from rollbench.compare.text.solved import side_by_side_parts
     from rollbench.lowfi.warned import join_brief_warnings
 
-    described = [catalogue.scene_of_any_kind(name) for name in names]
     model, station = _check_options(solve_options)
-    for one, name in zip(described, names, strict=True):
-        _check_options_for_scene(scenes_to_solve(one, name)[0], solve_options, station)
+    for name in names:
+        _check_options_for_scene(scenes_to_solve(catalogue.scene_of_any_kind(name), name)[0], solve_options, station)
     at = station if solve_options.stiffness_at else None
     with watch_running_time(f"{len(names)} scenes, model {one_line(model)}", checked_time_limit(solve_options.time_limit)):
-        found = side_by_side_of_scene_records(described, names, model, solve_options.member, at, solve_options.store)
+        how: dict[str, Any] = {"member": solve_options.member, "stiffness_at": at, "store": solve_options.store}
+        found = side_by_side(names, model=model, **how)
     warned = solve_options.strict and any(join_brief_warnings(one.warnings) for one in found.scenes)
     parts = side_by_side_parts(found)
     parts += [] if solve_options.plot is None else [write_plot(solve_options.plot, found)]

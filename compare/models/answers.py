@@ -215,7 +215,7 @@ def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Mode
         raise SceneNotCoveredError(scene.name, scene_key_of_error(error), str(error), advice) from error
 
 
-def tangent_stiffness_at_nut(scene: Scene, model: str, options: ModelOptions) -> tuple[TangentStiffness | None, str]:
+def tangent_stiffness_at_nut(scene: Scene, model: str, options: ModelOptions) -> TangentStiffness | None:
     """Compute the tangent stiffness of a loaded screw at the nut's centre, if the model can give one.
 
     Parameters
@@ -231,24 +231,22 @@ def tangent_stiffness_at_nut(scene: Scene, model: str, options: ModelOptions) ->
     -------
     TangentStiffness or None
         The stiffness; None if it could not be computed.
-    str
-        Why the stiffness could not be computed; empty if it was, or if the model never computes a stiffness.
     """
     axial_stiffness = model_by_name(model).axial_stiffness
     if axial_stiffness is not None:
         axial = axial_stiffness(scene, options, 0.0)
         if axial is None:
-            return None, ""
+            return None
         along = np.full((6, 6), np.nan)
         along[2, 2] = axial
-        return TangentStiffness(station=scene.nut.position, matrix=along, status="converged"), ""
+        return TangentStiffness(station=scene.nut.position, matrix=along, status="converged")
     if TANGENT_OF.get(model, model) not in (*LADDER, "condensed"):
-        return None, ""
+        return None
     try:
         tangent = tangent_stiffness_at(scene, scene.nut.position, model, options)
-    except SceneNotCoveredError as refused:
-        return None, refused.value.partition(";")[0]  # the rest is advice for other results
-    return (tangent, "") if tangent.status == "converged" else (None, tangent.status)
+    except SceneNotCoveredError:
+        return None
+    return tangent if tangent.status == "converged" else None
 
 
 def motion_of_unloaded_screw(unloaded: StaticSolution, at: float | str) -> Array:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.answers import parts_under_loads
 from rollbench.compare.models.friction_torques import FrictionTorques
-from rollbench.compare.models.loading import absolute_axial_preload
 from rollbench.compare.models.model_form import ExpectedError
 from rollbench.compare.models.set_results import LifeByLoads, SetResult
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
@@ -194,18 +193,6 @@ def motor_torques_and_inertias(assembly: Assembly, sets: Mapping[str, SetResult]
     return AxisDrive(torques, seals, drive.torque, running, starting, accelerating, inertias[0], carried, whole)
 
 
-class LivesOfSet(Protocol):
-    """Lives of one nut or bearing row."""
-
-    @property
-    def life(self) -> rating_life.Life | None:
-        """Life L10; None if it is not known."""
-
-    @property
-    def life_by_loads(self) -> LifeByLoads | None:
-        """Life by the loads of the contacts; None if it is not known."""
-
-
 def lead_of_first_nut(assembly: Assembly) -> float:
     """Return the lead [m] of the first nut on a shaft with several nuts or bearing rows; 0 without a nut."""
     return next((s.parts.track.lead for s in assembly.sets if isinstance(s.parts, Scene) and s.parts.track.lead), 0.0)
@@ -237,7 +224,7 @@ def _torque_on_shaft(assembly: Assembly, one: SetResult, sign: float) -> ShaftTo
 
 
 def life_of_turning_sets(
-    assembly: Assembly, sets: Iterable[tuple[str, LivesOfSet]], speed: float | None
+    assembly: Assembly, sets: Iterable[tuple[str, SetResult | LivesOverDutyCycle]], speed: float | None
 ) -> rating_life.SystemLife | None:
     """Return the combined rating life of all nuts and bearing rows that turn; None if no life is known.
 
@@ -256,42 +243,6 @@ def life_of_turning_sets(
     return rating_life.SystemLife(
         together, shortest, lead_of_first_nut(assembly), speed, in_series(basic) if complete else None
     )
-
-
-@dataclass(frozen=True)
-class LoadsOfNutOrBearing:
-    """Contact loads and force of one nut or bearing row in one load case, from which its life over a duty cycle follows."""
-
-    #: Geometry of the nut or row; if it has balls, as a scene with all loads and supports of the shaft.
-    parts: Scene | RollerRow
-    #: Contact loads of n balls (n, 4) [N]; line loads of rollers (count, slices) [N/m].
-    load: Array
-    #: Force of the shaft on the nut or row, (3,) [N].
-    force: Array
-    #: Axial force with which the two halves of a nut with lead offset are preloaded against each other [N]; 0 for other
-    #: nuts and for bearing rows.
-    preload: float = 0.0
-
-
-def loads_for_life(scene: Scene | Assembly, one: SetResult) -> LoadsOfNutOrBearing | None:
-    """Return the contact loads and the force of one nut or bearing row in one load case; None without equilibrium.
-
-    Parameters
-    ----------
-    scene
-        Scene of the load case.
-    one
-        Results of the nut or bearing row in the load case.
-    """
-    if one.force is None:
-        return None
-    if not isinstance(one.parts, Scene) or one.balls is None:
-        lines = None if one.on_shaft is None else one.on_shaft.line_loads
-        return None if lines is None else LoadsOfNutOrBearing(one.parts, lines, -one.force)
-    if isinstance(scene, Assembly):
-        return LoadsOfNutOrBearing(parts_under_loads(scene, one.parts), one.balls.load, -one.force)
-    preload = absolute_axial_preload(one.preload) if scene.errors.lead_offset else 0.0
-    return LoadsOfNutOrBearing(scene, one.balls.load, -one.force, preload)
 
 
 @dataclass(frozen=True)
@@ -450,11 +401,7 @@ def compute_duty_cycle_results(
     worst = [(case, s.worst) for case, one in pairs for s in one.values() if s.worst]
     each = zip(cycle.cases, statuses, expected_errors, strict=True)
     errors = [(case, None if e is None else e.loads) for case, lost, e in each if not lost]
-    loads = [
-        {name: loads_for_life(case.scene, s) for name, s in one.items()}
-        for case, one in zip(cycle.cases, sets, strict=True)
-    ]
-    lives = tuple(_lives_of_set(cycle, name, [one.get(name) for one in loads]) for name in cycle.sets)
+    lives = tuple(_lives_of_set(cycle, name, [one.get(name) for one in sets]) for name in cycle.sets)
     axis_life = None
     if isinstance(cycle.parts, Assembly):
         axis_life = life_of_turning_sets(cycle.parts, ((x.set, x) for x in lives), cycle.speed)
@@ -546,36 +493,41 @@ def contact_loads_by_nut_or_bearing(result: StaticResult | AxisResult) -> dict[s
     return {name: load for name, load in found if load is not None}
 
 
-def _lives_of_set(cycle: DutyCycle, set_name: str, loads: Sequence[LoadsOfNutOrBearing | None]) -> LivesOverDutyCycle:
+def _lives_of_set(cycle: DutyCycle, set_name: str, results: Sequence[SetResult | None]) -> LivesOverDutyCycle:
     """Return the rating lives of one nut or bearing row over a duty cycle.
 
-    ``set_name``: name of the nut or row as in `DutyCycle.sets`; ``loads``: its contact loads and force in every
-    load case; None for a load case without equilibrium.
+    ``set_name``: name of the nut or row as in `DutyCycle.sets`; ``results``: its results in every load case; None for a
+    load case without equilibrium.
     """
-    rated, words = rating_life_over_duty_cycle(cycle, set_name, [None if s is None else s.load for s in loads])
+    solved = [s if s is not None and s.force is not None else None for s in results]
+    rated, words = rating_life_over_duty_cycle(cycle, set_name, [None if s is None else s.life_loads for s in solved])
     if rated is None:
         return LivesOverDutyCycle(None, words, None, words, set_name)
-    used = [(s, case.share) for s, case in zip(loads, cycle.cases, strict=True) if s is not None and case.share > 0.0]
-    shares, forces, row = [share for _, share in used], [s.force for s, _ in used], cycle.sets[set_name]
-    if isinstance(row, RollerRow):
-        basic = roller_life.life_of_row_by_equivalent_loads(row, shares, forces)
-        basic = basic and replace(basic, speed=cycle.speed)
-        return LivesOverDutyCycle(basic, "", None, "", set_name, None, rated)  # type: ignore[arg-type]
-    scenes = [s.parts for s, _ in used if isinstance(s.parts, Scene)]
-    if isinstance(rated, iso_lives.ReferenceLife):
-        modified = modified_life(row, rated)
-        try:
-            basic = rating_life.bearing_life_of_equivalent_loads(scenes, shares, forces)
-        except ValueError as error:
-            return LivesOverDutyCycle(None, str(error), None, "", set_name, modified, rated)
-        basic = basic and replace(basic, speed=cycle.speed)
-        return LivesOverDutyCycle(basic, "" if basic is not None else "no load", None, "", set_name, modified, rated)
-    modified = modified_life(row, rated)
+    used = [(s, case) for s, case in zip(solved, cycle.cases, strict=True) if s is not None and case.share > 0.0]
+    shares, forces = [case.share for _, case in used], [-s.force for s, _ in used if s.force is not None]
+    row, why = cycle.sets[set_name], ""
+    modified = None if isinstance(row, RollerRow) else modified_life(row, rated)
+    found: Any = None
     try:
-        standard = rating_life.life_by_equivalent_loads(scenes, shares, forces, max(s.preload for s, _ in used))
+        if isinstance(row, RollerRow):
+            found = roller_life.life_of_row_by_equivalent_loads(row, shares, forces)
+        elif isinstance(rated, iso_lives.ReferenceLife):
+            found = rating_life.bearing_life_of_equivalent_loads([_scene_of_case(*one) for one in used], shares, forces)
+        else:
+            preload, scenes = max(s.preload_of_halves for s, _ in used), [_scene_of_case(*one) for one in used]
+            found = rating_life.life_by_equivalent_loads(scenes, shares, forces, preload)
     except ValueError as error:
-        return LivesOverDutyCycle(rated, words, None, str(error), set_name, modified)
-    return LivesOverDutyCycle(rated, words, standard, "" if standard is not None else "no load", set_name, modified)
+        why = str(error)
+    why = why or ("" if found is not None or isinstance(row, RollerRow) else "no load")
+    if isinstance(rated, rating_life.Life):
+        return LivesOverDutyCycle(rated, words, found, why, set_name, modified)
+    return LivesOverDutyCycle(found and replace(found, speed=cycle.speed), why, None, "", set_name, modified, rated)
+
+
+def _scene_of_case(one: SetResult, case: LoadCase) -> Scene:
+    """Return a nut or ball bearing as a scene with all loads and supports of a load case."""
+    assert isinstance(one.parts, Scene)
+    return parts_under_loads(case.scene, one.parts) if isinstance(case.scene, Assembly) else one.parts
 
 
 def _extreme_over_cases(

@@ -416,6 +416,20 @@ class SetResult(Balls):
         return None if loads is None or not np.isfinite(loads).all() else loads
 
     @property
+    def life_loads(self) -> Array | None:
+        """Loads from which the life follows: of n balls' contacts (n, 4) [N], or lines of rollers (count, slices) [N/m]."""
+        return self.balls.load if self.balls is not None else None if self.on_shaft is None else self.on_shaft.line_loads
+
+    @property
+    def preload_of_halves(self) -> float:
+        """Axial force with which two halves of a nut with lead offset press against each other [N]; 0 for other nuts.
+
+        On a shaft it is part of `force` already.
+        """
+        halves = self.on_shaft is None and isinstance(self.parts, Scene) and self.parts.errors.lead_offset
+        return abs(self.preload.axial) if halves and self.preload is not None else 0.0
+
+    @property
     def life_by_loads(self) -> LifeByLoads | None:
         """Life that follows from the contact loads: L10 of a nut, L10r of a bearing; None if it is not known."""
         if self.reference_life is not None or isinstance(self.parts, RollerRow):

@@ -213,7 +213,7 @@ def stiffness_of_scene(
         if not words:
             low, high = (_forces_and_displacements(scene, x, point, unit or point.force, change) for x, change in solved)
             slope = high - low
-    names = [kind_of(x.of.parts) for x in result.sets] if isinstance(result, AxisResult) else [kind_of(scene)]
+    names = _kinds(scene, result)
     secants, tangents = ratios(now - rest), ratios(slope)
     if not is_axial(point):  # what a force across moves along the axis is no axial stiffness
         secants[:-1] = tangents[:-1] = [None] * len(names)
@@ -362,13 +362,7 @@ def displacement_of_nuts(
 
     ``result``: converged solution of the scene; ``unloaded``: solution without its loads, from which it is counted.
     """
-    point = LoadPoint(place_of_displacement(scene), (0.0, 0.0, 1.0), 0.0)
-    moved = _forces_and_displacements(scene, result, point) - _at_rest(scene, unloaded, point)
-    if isinstance(result, StaticResult):
-        return float(moved[0, 1])
-    each = zip(result.sets, moved, ratios(moved), strict=False)
-    found = [NutStiffness(kind_of(s.of.parts), float(f), float(u), secant, None) for s, (f, u), secant in each]
-    return stiffness_together(found).displacement
+    return _nuts_together(scene, result, _changes_from_rest(scene, result, unloaded)).displacement
 
 
 def is_axial(point: LoadPoint) -> bool:
@@ -383,10 +377,7 @@ def secant_of_nuts(
 
     ``result``: converged solution of the scene; ``unloaded``: solution without its loads.
     """
-    point = LoadPoint(place_of_displacement(scene), (0.0, 0.0, 1.0), 0.0)
-    return _stiffness_of_nuts(
-        scene, result, _forces_and_displacements(scene, result, point) - _at_rest(scene, unloaded, point)
-    )
+    return _stiffness_of_nuts(scene, result, _changes_from_rest(scene, result, unloaded))
 
 
 def tangent_of_nuts(
@@ -409,9 +400,26 @@ def _stiffness_of_nuts(scene: Scene | Assembly, result: StaticResult | AxisResul
     point = load_point(scene)
     if point is not None and not is_axial(point):
         return None
-    kinds = [kind_of(s.of.parts) for s in result.sets] if isinstance(result, AxisResult) else [kind_of(scene)]
-    known = zip(kinds, ratios(changes), strict=False)
-    return stiffness_together([NutStiffness(kind, 0.0, None, None, stiffness) for kind, stiffness in known]).tangent
+    return _nuts_together(scene, result, changes).tangent
+
+
+def _changes_from_rest(
+    scene: Scene | Assembly, result: StaticResult | AxisResult, unloaded: StaticResult | AxisResult
+) -> Array:
+    """Return changes of forces and displacements (n + 1, 2) along the axis from the scene without its loads."""
+    point = LoadPoint(place_of_displacement(scene), (0.0, 0.0, 1.0), 0.0)
+    return _forces_and_displacements(scene, result, point) - _at_rest(scene, unloaded, point)
+
+
+def _nuts_together(scene: Scene | Assembly, result: StaticResult | AxisResult, changes: Array) -> NutStiffness:
+    """Return the nuts together, or the bearings without a nut, for changes of forces and displacements (n + 1, 2)."""
+    each = zip(_kinds(scene, result), changes, ratios(changes), strict=False)
+    return stiffness_together([NutStiffness(kind, float(f), float(u), ratio, ratio) for kind, (f, u), ratio in each])
+
+
+def _kinds(scene: Scene | Assembly, result: StaticResult | AxisResult) -> list[str]:
+    """Return what each rolling set of a solved scene is: a nut or a bearing."""
+    return [kind_of(s.of.parts) for s in result.sets] if isinstance(result, AxisResult) else [kind_of(scene)]
 
 
 def _at_rest(scene: Scene | Assembly, unloaded: StaticResult | AxisResult, point: LoadPoint) -> Array:

@@ -37,7 +37,7 @@ from rollbench.compare.results.rows import (
     record_rows,
     support_load_rows,
 )
-from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
+from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.lowfi.rating.catalogue_checks import ShaftLimits
 from rollbench.lowfi.rating.contacts import WorstContact
 from rollbench.lowfi.rating.life import Life
@@ -437,8 +437,16 @@ class Result(TabularRecord, Balls):
         list
             Row of each line of the frame, by the names of its columns.
         """
-        columns = self.columns()
-        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+        rows = []
+        for s in self.sets.values():
+            if s.loads is None or s.angles is None:
+                continue
+            head = {} if self.only else {"set": s.name}
+            for ball, angles in zip(s.ball_rows(), s.angles, strict=True):
+                values = (("load_{}_N", ball.load), ("angle_{}_rad", angles), ("pressure_{}_Pa", ball.pressure))
+                sides = {name.format(side): x for name, of in values for side, x in zip(SIDES, of, strict=True)}
+                rows.append(head | {"ball": float(ball.index), "azimuth_rad": ball.azimuth, "z_m": ball.z} | sides)
+        return rows
 
     def columns(self) -> dict[str, Any]:
         """Return the columns of `to_dataframe` without pandas.
@@ -456,9 +464,8 @@ class Result(TabularRecord, Balls):
         >>> list(columns)[:5], round(float(columns["load_SL_N"][0]))
         (['ball', 'azimuth_rad', 'z_m', 'load_SL_N', 'load_SR_N'], 234)
         """
-        if self.only is not None:
-            return _ball_contact_columns(self.only)
-        return _stack_columns("set", {name: _ball_contact_columns(one) for name, one in self.sets.items()})
+        found = super().columns()
+        return {name: column if isinstance(column[0], str) else np.array(column) for name, column in found.items()}
 
     def units(self) -> dict[str, str]:
         """Return the SI unit of each column of `columns` by its name; columns without unit are left out.
@@ -743,9 +750,7 @@ class CycleResult(Result):
             "model": self.model,
             "status": self.reason or "converged",
             "summary": self.summary(),
-            "cases": [
-                {**load_case_head_json(self.cycle, case), **one.to_json(), "scene": self.scene} for case, one in each
-            ],
+            "cases": [{"scene": ""} | record_as_json(case) | one.to_json() | {"scene": self.scene} for case, one in each],
         }
 
     def summary(self) -> dict[str, Any]:
@@ -764,15 +769,15 @@ class CycleResult(Result):
         sets = [{"name": x.set} | record_as_json(x) for x in lives]
         return record_as_json(self.together) | record_as_json(self.together.shortest_lives) | {"sets": sets}
 
-    def columns(self) -> dict[str, Any]:
-        """Return the columns of `to_dataframe` without pandas: those of each load case, and the name of the case.
+    def frame_rows(self) -> Sequence[Mapping[str, Any]]:
+        """Return the rows of each load case, with the name of the case.
 
         Returns
         -------
-        dict
-            Values of each column, by its name.
+        list
+            Row of each line of the frame, by the names of its columns.
         """
-        return _stack_columns("case", {name: one.columns() for name, one in self.cases.items()})
+        return [{"case": name} | dict(row) for name, one in self.cases.items() for row in one.frame_rows()]
 
     def _panels(self, case: str = "") -> list[Panel]:
         """Return the panels of `figure`, those of all load cases."""
@@ -787,38 +792,3 @@ class CycleResult(Result):
             Rows of the table.
         """
         return duty_cycle_rows(self.together)
-
-
-def load_case_head_json(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
-    """Return the first keys and values in the JSON of a load case: name of the scene, then name and data of the case."""
-    return {"scene": cycle.name, **record_as_json(case)}
-
-
-def _ball_contact_columns(one: Balls) -> dict[str, Array | list[str]]:
-    """Return the columns of `Result.columns` for the balls of one nut or bearing; empty if there are no loads.
-
-    The names of the columns end with their SI units.
-    """
-    if one.azimuth is None or one.z is None or one.loads is None or one.angles is None or one.pressure is None:
-        return {}
-    out: dict[str, Array | list[str]] = {"ball": np.arange(1.0, one.z.size + 1), "azimuth_rad": one.azimuth, "z_m": one.z}
-    for name, values in (("load_{}_N", one.loads), ("angle_{}_rad", one.angles), ("pressure_{}_Pa", one.pressure)):
-        out |= {name.format(side): column for side, column in zip(SIDES, values.T, strict=True)}
-    return out
-
-
-def _stack_columns(
-    name_column: str, columns_by_name: Mapping[str, Mapping[str, Array | list[str]]]
-) -> dict[str, Array | list[str]]:
-    """Stack the columns of several nuts, bearings or load cases; a new first column has their names.
-
-    ``name_column``: name of the first column. ``columns_by_name``: columns by their name, by name of the nut, bearing or
-    load case. Those without columns are left out.
-    """
-    known = {name: columns for name, columns in columns_by_name.items() if columns}
-    names = [name for name, columns in known.items() for _ in columns["ball"]]
-    out: dict[str, Array | list[str]] = {name_column: names} if known else {}
-    for column in next(iter(known.values()), {}):
-        parts = [columns[column] for columns in known.values()]
-        out[column] = [x for part in parts for x in part] if isinstance(parts[0], list) else np.concatenate(parts)
-    return out

@@ -97,7 +97,7 @@ def solve_with_results(
         if stiffness_at is not None:
             of_scene["tangent"] = answers.tangent_stiffness_at(scene, stiffness_at, model, options)
         elif stiffness:
-            of_scene["tangent"] = answers.tangent_stiffness_at_nut(scene, model, options)[0]
+            of_scene["tangent"] = answers.tangent_stiffness_at_nut(scene, model, options)
     else:
         assert isinstance(result, AxisResult), "an assembly has the result of an axis"
         axial, expected = AxialResults(loading.axial_load(scene)), estimate_double_nut_error(scene, result)

@@ -224,7 +224,8 @@ def judge_scenes(
     Returns
     -------
     Verdict
-        A row for each judged quantity.
+        A row for each judged quantity, with the name of its load case. Its judgement is "not converged" if the model found
+        no equilibrium in that load case.
 
     Raises
     ------
@@ -232,45 +233,15 @@ def judge_scenes(
         If a scene, file or limit cannot be used.
     """
     warnings: list[str] = []
-    judged = judge_load_cases(described, names, request, engine, step, warnings.append)
-    left = quantities_without_verdict(judged) if request.loads or request.values else []
-    return Verdict(tuple(judged), tuple(warnings), tuple(left), tuple(described))
-
-
-def judge_load_cases(
-    described: Sequence[Described],
-    names: Sequence[str],
-    request: GateRequest,
-    engine: ComputingSettings,
-    step: Callable[[str], None],
-    warn: Callable[[str], None],
-) -> list[VerdictRow]:
-    """Judge scenes and their load cases, and return a row for each quantity.
-
-    Parameters
-    ----------
-    described, names, request, engine, step
-        As for `judge_scenes`.
-    warn
-        Function that is called with each warning.
-
-    Returns
-    -------
-    list[VerdictRow]
-        A row for each quantity, with the name of its load case. Its judgement is "not converged" if the model found no
-        equilibrium in that load case.
-
-    Raises
-    ------
-    rollbench.InputError
-        If a scene, file or limit cannot be used.
-    """
     cases = load_cases_by_scene_name(described)
     scenes = [scene for one, name in zip(described, names, strict=True) for scene in scenes_to_solve(one, name)]
     of_one = {scene: case.load_case.name for scene, case in cases.items()} if len(described) == 1 else {}
-    out = []
-    for v in check_scenes(scenes, request, engine, step, warn, of_one):
+    judged = []
+    for v in check_scenes(scenes, request, engine, step, warnings.append, of_one):
         case = cases.get(v.scene)
-        lost = Judgement.NOT_CONVERGED if v.judgement is Judgement.FAIL and v.error is None else v.judgement
-        out.append(v if case is None else replace(v, scene=case.duty_cycle.name, case=case.load_case.name, judgement=lost))
-    return out
+        if case is not None:
+            lost = Judgement.NOT_CONVERGED if v.judgement is Judgement.FAIL and v.error is None else v.judgement
+            v = replace(v, scene=case.duty_cycle.name, case=case.load_case.name, judgement=lost)
+        judged.append(v)
+    left = quantities_without_verdict(judged) if request.loads or request.values else []
+    return Verdict(tuple(judged), tuple(warnings), tuple(left), tuple(described))

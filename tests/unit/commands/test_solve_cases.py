@@ -9,7 +9,7 @@ from tests.helpers import small_screw
 from tests.load_cases import CASES, SHIPPED, TEXT, case, written
 
 import rollbench
-from rollbench.compare.models import load_cases
+from rollbench.compare.models.answers import parts_under_loads
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.studies.sweep.keys import read_varied_keys
@@ -94,6 +94,6 @@ def test_a_nut_on_a_shaft_bears_its_own_force_alone(force: float) -> None:
     """ISO 3408-5 adds preload between two halves: offsets that preload a set of several are in its force already."""
     screw = one_set(small_screw(4, force=(0.0, 0.0, force)))
     solved = solve_with_results(screw, "lin", ModelOptions())
-    nut = load_cases.loads_for_life(screw, solved.sets["nut"])
-    found = life_by_equivalent_loads([nut.parts], [1.0], [nut.force], nut.preload)
+    nut = solved.sets["nut"]
+    found = life_by_equivalent_loads([parts_under_loads(screw, nut.parts)], [1.0], [-nut.force], nut.preload_of_halves)
     assert found.equivalent_loads == (pytest.approx(force, rel=1e-6), 0.0)
