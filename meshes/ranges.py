@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from decimal import Decimal
-from math import pi
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 from rollbench.meshes import units
@@ -18,25 +17,13 @@ if TYPE_CHECKING:
     from pydantic_core import PydanticCustomError
 
 _OF_C = re.compile(r"\s*\+?([0-9]+\.?[0-9]*|\.[0-9]+)\s*%\s*of\s*C\s*")
-#: Units of speeds, angular speeds, times, masses, inertias and lubricant properties, with their factors to the SI unit,
-#: which comes first.
-RATES = {
-    "speed": {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6, "m/min": 1.0 / 60.0},
-    "angular speed": {"rad/s": 1.0, "deg/s": pi / 180.0, "rps": 2.0 * pi, "rpm": pi / 30.0},
-    "time": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
-    "kinematic viscosity": {"m2/s": 1.0, "mm2/s": 1e-6, "cSt": 1e-6},
-    "density": {"kg/m3": 1.0, "g/cm3": 1e3},
-    "pressure coefficient": {"1/Pa": 1.0, "1/GPa": 1e-9},
-    "mass": {"kg": 1.0, "g": 1e-3, "t": 1e3, "lb": 0.45359237},
-    "moment of inertia": {"kg m2": 1.0, "kg cm2": 1e-4, "kg mm2": 1e-6, "lb in2": 0.45359237 * 0.0254**2},
-}
 
 
 @dataclass(frozen=True)
 class QuantityRange:
     """Physical dimension and allowed range of a quantity in scene files; used to annotate the type of a field."""
 
-    #: Dimension, one of `meshes.units.DIMENSIONS`; for `Rate`, one of `RATES`.
+    #: Dimension, one of `meshes.units.DIMENSIONS`.
     dimension: str
     #: Lower limit, as written in a scene file.
     lower_limit: str | float
@@ -209,28 +196,6 @@ class ForceOrRatingShareRange(QuantityRange):
 
 
 @dataclass(frozen=True)
-class RateRange(QuantityRange):
-    """Allowed range of a speed, angular speed, time, mass, inertia or lubricant property; units are those of `RATES`."""
-
-    @property
-    def unit(self) -> str:
-        """SI unit of the quantity."""
-        return next(iter(RATES[self.dimension]))
-
-    def _si_value_without_check(self, value: object) -> float:
-        """Convert a value to SI units without checking the range; raise pydantic's error where its unit is not known."""
-        rates = RATES[self.dimension]
-        parts = units.split_quantity_text(value) if isinstance(value, str) else None
-        unit = units.standard_unit_spelling(parts[1]) if parts else ""
-        if parts is None or unit not in rates:
-            advice = f"write a number and one of {', '.join(rates)}, e.g. {units.toml_text(self.example)}"
-            advice = units.number_advice(value, advice) if isinstance(value, str) else advice
-            article = "an" if self.dimension[0] == "a" else "a"
-            raise self._refused_value_error(f"{article} {self.dimension}, {self.allowed_range_text}", advice)
-        return float(parts[0]) * rates[unit]
-
-
-@dataclass(frozen=True)
 class Plain:
     """Whole number, text, or true or false in scene files, which is read as it stands; used to annotate a field's type."""
 
@@ -380,10 +345,10 @@ RadialClearance = Annotated[float, QuantityRange("length", "-1 mm", "1 m", "13 u
 Filling = Annotated[float, QuantityRange("number", 0, 1, 0.8, lower_limit_excluded=True)]
 #: Computation over time: angle of rotation, duration, and largest accepted error of the time steps (a fraction).
 Travel = Annotated[float, QuantityRange("angle", "0.001 deg", "1000000 deg", "360 deg")]
-Duration = Annotated[float, RateRange("time", "0 s", "1000000 s", "1 s", lower_limit_excluded=True)]
+Duration = Annotated[float, QuantityRange("time", "0 s", "1000000 s", "1 s", lower_limit_excluded=True)]
 StepGoal = Annotated[float, QuantityRange("number", 0.0001, 0.1, 0.01)]
 #: Angular speed of the rotating part.
-Turning = Annotated[float, RateRange("angular speed", "-100000 rps", "100000 rps", "600 rpm")]
+Turning = Annotated[float, QuantityRange("angular speed", "-100000 rps", "100000 rps", "600 rpm")]
 #: Error limit in per cent.
 Percent = Annotated[float, QuantityRange("number", 0, 100, 7, lower_limit_excluded=True)]
 #: Stiffness of a spring for a displacement; stiffness of a spring for a rotation, as a moment per radian.
@@ -394,15 +359,15 @@ SegmentStiffness = Annotated[
     float, QuantityRange("stiffness", "0 N/m", "1000000 kN/um", "258 kN/um", lower_limit_excluded=True)
 ]
 #: Properties of lubricants and materials: kinematic viscosity, density, pressure-viscosity coefficient.
-Viscosity = Annotated[float, RateRange("kinematic viscosity", "0.1 mm2/s", "100000 mm2/s", "27 mm2/s")]
-Density = Annotated[float, RateRange("density", "100 kg/m3", "30000 kg/m3", "900 kg/m3")]
-PressureViscosity = Annotated[float, RateRange("pressure coefficient", "1 1/GPa", "100 1/GPa", "20 1/GPa")]
+Viscosity = Annotated[float, QuantityRange("kinematic viscosity", "0.1 mm2/s", "100000 mm2/s", "27 mm2/s")]
+Density = Annotated[float, QuantityRange("density", "100 kg/m3", "30000 kg/m3", "900 kg/m3")]
+PressureViscosity = Annotated[float, QuantityRange("pressure coefficient", "1 1/GPa", "100 1/GPa", "20 1/GPa")]
 #: Manufacturer's factor G_1 of the friction torque of tapered rollers; friction torque.
 TorqueFactor = Annotated[float, QuantityRange("number", 0, 100_000, 40, lower_limit_excluded=True)]
 Torque = Annotated[float, QuantityRange("moment", "0 N m", "1000000 kN m", "100 N mm")]
 #: Mass and moment of inertia that a motor moves.
-Mass = Annotated[float, RateRange("mass", "0 kg", "1000000 t", "200 kg")]
-Inertia = Annotated[float, RateRange("moment of inertia", "0 kg m2", "1000000 kg m2", "20 kg cm2")]
+Mass = Annotated[float, QuantityRange("mass", "0 kg", "1000000 t", "200 kg")]
+Inertia = Annotated[float, QuantityRange("moment of inertia", "0 kg m2", "1000000 kg m2", "20 kg cm2")]
 #: Factor f0 of the lubrication in Palmgren's friction torque; efficiency of a ball screw.
 Factor0 = Annotated[float, QuantityRange("number", 0, 100, 2, lower_limit_excluded=True)]
 Efficiency = Annotated[float, QuantityRange("number", 0.1, 1, 0.92)]

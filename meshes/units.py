@@ -20,6 +20,14 @@ DIMENSIONS = {
     "moment": ("N m", "3 N m"),
     "stiffness": ("N/m", "200 N/um"),
     "temperature difference": ("K", "5 K"),
+    "speed": ("m/s", "10 mm/s"),
+    "angular speed": ("rad/s", "600 rpm"),
+    "time": ("s", "1 s"),
+    "kinematic viscosity": ("m2/s", "27 mm2/s"),
+    "density": ("kg/m3", "900 kg/m3"),
+    "pressure coefficient": ("1/Pa", "20 1/GPa"),
+    "mass": ("kg", "200 kg"),
+    "moment of inertia": ("kg m2", "20 kg cm2"),
     "number": ("", "0.28"),
 }
 
@@ -32,6 +40,14 @@ COMMON = {
     "moment": ("N m", "N mm", "kN m", "lbf in"),
     "stiffness": ("N/m", "N/mm", "N/um", "lbf/in"),
     "temperature difference": ("K", "degF"),
+    "speed": ("m/s", "mm/s", "um/s", "m/min"),
+    "angular speed": ("rad/s", "deg/s", "rps", "rpm"),
+    "time": ("s", "ms", "min", "h"),
+    "kinematic viscosity": ("m2/s", "mm2/s", "cSt"),
+    "density": ("kg/m3", "g/cm3"),
+    "pressure coefficient": ("1/Pa", "1/GPa"),
+    "mass": ("kg", "g", "t", "lb"),
+    "moment of inertia": ("kg m2", "kg cm2", "kg mm2", "lb in2"),
 }
 
 _PI = "3.14159265358979323846264338328"
@@ -88,6 +104,8 @@ _TABLE = {
         "gon grad grade gradian": f"{_PI}/200",
         "turn revolution cycle circle": f"{_PI}/0.5",
     },
+    "angular speed": {"rps": f"{_PI}/0.5", "rpm": f"{_PI}/30"},
+    "kinematic viscosity": {"St stokes": "1e-4"},
     "moment": {"J joule": "1", "erg": "1e-7", "ft_lb foot_pound": "1.3558179483314004"},
     "temperature difference": {
         "K kelvin degK": "1",
@@ -117,6 +135,12 @@ _POWERS = {
     "moment": (2, 1, -2, 0, 0),
     "stiffness": (0, 1, -2, 0, 0),
     "temperature difference": (0, 0, 0, 0, 1),
+    "speed": (1, 0, -1, 0, 0),
+    "angular speed": (0, 0, -1, 1, 0),
+    "kinematic viscosity": (2, 0, -1, 0, 0),
+    "density": (-3, 1, 0, 0, 0),
+    "pressure coefficient": (1, -1, 2, 0, 0),
+    "moment of inertia": (2, 1, 0, 0, 0),
 }
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?"
@@ -384,7 +408,7 @@ def _unit_factor(unit: str) -> tuple[str, Decimal, Decimal]:
     above, below = Decimal(1), Decimal(1)
     powers: tuple[int, ...] = (0,) * 5
     for i, product in enumerate(re.split(r"\s*/\s*", unit)):
-        for name in product.split() or [""]:
+        for name in [] if product == "1" else product.split() or [""]:  # 1/Pa
             match = _FACTOR.fullmatch(name)
             found = match and (_PREFIXED.get(match[1]) or _PREFIXED.get(match[1].removesuffix("s")))
             if not match or not found:

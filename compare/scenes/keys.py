@@ -12,7 +12,7 @@ from pydantic import Field, TypeAdapter, ValidationInfo, field_validator, model_
 from pydantic_core import PydanticCustomError
 
 from rollbench.meshes import ranges
-from rollbench.meshes.parts import ASSUMED, FIRST, SOURCE, TITLE, BallErrors, Balls, Motion
+from rollbench.meshes.parts import ASSUMED, FIRST, SOURCE, TITLE, BallErrors, Balls, Motion, Track
 from rollbench.meshes.record_keys import scene_key
 from rollbench.meshes.units import UnitError, parse_quantity
 
@@ -192,18 +192,16 @@ class TitleKeys(SceneFileTable):
     assumed: ranges.Sentences = scene_key(ASSUMED, ["The nut is rigid."], default=())
 
 
-class BallPathKeys(SceneFileTable):
+class BallPathKeys(SceneFileTable, Track, only=("pitch_radius", "lead")):
     """Nominal path of the ball centres of a screw or a bearing ring."""
 
-    pitch_radius: ranges.Size = scene_key("radius of the helix of the ball centres", "16.5 mm")
-    lead: ranges.Lead = scene_key('lead: advance of the helix per turn; "0 mm" for a ball bearing')
-    contact_angle: ranges.ContactAngle = scene_key("nominal angle between contact normal and radius")
+    contact_angle: ranges.ContactAngle
 
 
-class BallHelixKeys(BallPathKeys):
+class BallHelixKeys(SceneFileTable, Track, only=("pitch_radius", "lead", "hand")):
     """Nominal path of the ball centres, a right-handed or left-handed helix."""
 
-    hand: Literal["right", "left"] = scene_key("hand of the helix", "right", default="right")
+    contact_angle: ranges.ContactAngle
 
 
 class GrooveKeys(SceneFileTable):
@@ -287,6 +285,5 @@ def _default_with_unit(default: Any, node: dict[str, Any]) -> Any:
     if isinstance(default, list):
         return [_default_with_unit(x, node.get("items", {})) for x in default]
     if isinstance(default, float) and "x-unit" in node:
-        of = ranges.RateRange if node["x-dimension"] in ranges.RATES else ranges.QuantityRange
-        return of(node["x-dimension"], 0, 0, node["examples"][0]).text_with_unit(default)
+        return ranges.QuantityRange(node["x-dimension"], 0, 0, node["examples"][0]).text_with_unit(default)
     return default

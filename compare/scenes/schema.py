@@ -12,7 +12,7 @@ from pydantic import Field
 
 from rollbench.compare.scenes import keys
 from rollbench.meshes import axis, parts, ranges
-from rollbench.meshes.ranges import ForceOrRatingShareRange, QuantityRange, RateRange, ShareOfLoadRating
+from rollbench.meshes.ranges import ForceOrRatingShareRange, QuantityRange, ShareOfLoadRating
 from rollbench.meshes.record_keys import scene_key
 
 #: Ball diameter [m].
@@ -30,7 +30,7 @@ Preload = Annotated[
 Share = Annotated[float, QuantityRange("number", 0, 1, 0.5)]
 
 #: Duration of a load case [s].
-CaseTime = Annotated[float, RateRange("time", "0 s", "1000000000 s", "2 s")]
+CaseTime = Annotated[float, QuantityRange("time", "0 s", "1000000000 s", "2 s")]
 
 
 class ClearanceKeys(keys.SceneFileTable):
@@ -287,9 +287,7 @@ class SceneKeys(SharedMaterialKeys, parts.Scene):
     screw: ScrewKeys
     nut: NutKeys
     balls: BallKeys
-    errors: ManufacturingErrorKeys = scene_key(
-        "manufacturing errors of balls and grooves", {"seed": 0}, default=ManufacturingErrorKeys()
-    )
+    errors: ManufacturingErrorKeys
     supports: Supports
     friction: FrictionKeys | None
     cases: Annotated[tuple[LoadCaseKeys, ...], ranges.ListLength(0, 1000)] = scene_key(
@@ -514,7 +512,5 @@ class ShaftSceneKeys(SharedMaterialKeys, axis.Assembly):
     heat: ShaftHeatingKeys | None = scene_key(
         "temperature rise of the shaft", {"warming": "10 K", "expansion": 11.5e-6}, default=None
     )
-    ingredients: ShaftModelOptionKeys = scene_key(
-        "options of the low-order models", {"section": "full"}, default=ShaftModelOptionKeys()
-    )
+    ingredients: ShaftModelOptionKeys
     friction: FrictionKeys | None

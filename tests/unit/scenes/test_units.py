@@ -1,13 +1,12 @@
 """Quantities as text: exact values, agreement of the table with pint, and refusals."""
 
 import math
+import re
 
 import pytest
 
 from rollbench.meshes import units
 
-#: How mass and time are read, which no key of a scene is: in a force.
-IN_A_FORCE = {"mass": "1 {} m/s**2", "time": "1 kg m/{}**2"}
 #: Names that are something else to pint, old or new: knot, carat, the constant of Planck and a chain.
 ELSE = {"ch", "hbar", "kat", "cmil", "pt", "ct", "dat", "kt", "Tt"}
 
@@ -17,24 +16,24 @@ def test_every_unit_is_that_of_pint(unit):
     """By itself and with each prefix."""
     registry = pytest.importorskip("pint").application_registry.get()
     of = units.UNITS[unit][0] if unit in units.UNITS else next(of for of, names in units.COMMON.items() if unit in names)
-    text, dimension = IN_A_FORCE.get(of, "1 {}"), "force" if of in IN_A_FORCE else of
     for prefix in units.PREFIXES if unit in units.UNITS else ("",):
         name = prefix + unit
         if (of == "temperature difference" and prefix) or {name, unit} & ELSE or (prefix and name in units.UNITS):
             continue  # a point of pint's scale has no prefix; a unit of its own: ft, min
-        theirs, zero = (registry.Quantity(x, "*".join(text.format(name).split()[1:])).to_base_units() for x in (1.0, 0.0))
-        assert units.parse_quantity(text.format(name), dimension) == pytest.approx(
-            (theirs - zero).magnitude, rel=1e-12, abs=0.0
-        ), name
+        spelt = re.sub(r"(?<=[a-z])(?=[0-9])", "**", "*".join(name.split()))
+        theirs, zero = (registry.Quantity(x, spelt).to_base_units() for x in (1.0, 0.0))
+        expected = pytest.approx((theirs - zero).magnitude, rel=1e-12, abs=0.0)
+        assert units.parse_quantity(f"1 {name}", of) == expected, name
 
 
 #: Units of no dimension that a scene has.
-NONE_HERE = ("3 mm2", "3 kg", "3 s", "3 N m/rad", "3 lbmm", "3 m m-1")
+NONE_HERE = ("3 mm2", "3 N m/rad", "3 lbmm", "3 m m-1")
 #: Why values of a dimension are refused.
 REFUSED = {
     ("length", "has no unit"): (20, 0, "20"),
     ("length", "is not text"): (True, ["1 mm"]),
     ("length", "is a force"): ("20 kN",),
+    ("length", "is a mass"): ("3 kg",),
     ("force", "is a stiffness"): ("3 lbf/in",),
     ("angle", "is a temperature difference"): ("20 degC", "3 degF"),
     ("number", "is not a plain number"): ("1 mm", "0.28", True),

@@ -24,7 +24,7 @@ from rollbench.lowfi.friction.linear.bearing import LinearBearing, Loads, contac
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.meshes import ranges
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.ranges import ContactAngle, Force, ListLength, Plain, QuantityRange, RateRange, Size, Switch
+from rollbench.meshes.ranges import ContactAngle, Force, ListLength, Plain, QuantityRange, Size, Switch
 from rollbench.meshes.record_keys import scene_key
 from rollbench.meshes.scene_text import Table, with_unit, without_empty_values
 
@@ -32,7 +32,7 @@ from rollbench.meshes.scene_text import Table, with_unit, without_empty_values
 Law = Literal["coulomb", "regularised", "sigmoid"]
 
 #: Sliding speed [m/s] below which friction is reduced.
-Creep = Annotated[float, RateRange("speed", "0 m/s", "1 m/s", "0.1 mm/s", lower_limit_excluded=True)]
+Creep = Annotated[float, QuantityRange("speed", "0 m/s", "1 m/s", "0.1 mm/s", lower_limit_excluded=True)]
 
 #: Displacement of the inner ring [m].
 Move = Annotated[float, QuantityRange("length", "-1 mm", "1 mm", "5 um")]
@@ -291,7 +291,7 @@ def bearing_pair_scene(keys: BearingPairKeys, name: str) -> BearingPairScene:
 
 
 #: Speed of the carriage [m/s].
-Speed = Annotated[float, RateRange("speed", "-1000 m/s", "1000 m/s", "10 mm/s")]
+Speed = Annotated[float, QuantityRange("speed", "-1000 m/s", "1000 m/s", "10 mm/s")]
 
 #: Side force on a ball divided by the vertical force.
 SideRatio = Annotated[float, QuantityRange("number", -10, 10, -0.6)]
