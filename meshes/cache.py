@@ -26,13 +26,12 @@ import io
 import json
 import os
 import re
-import shutil
 import struct
 import sys
 import time
 import zlib
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import lru_cache, update_wrapper, wraps
 from importlib import import_module
 from importlib.util import find_spec
@@ -70,9 +69,8 @@ T = TypeVar("T")
 #: Largest size of the arrays [bytes] on which a result that is kept in memory depends.
 LARGEST_KEPT = 2**25
 
-#: Subfolder of a cache for the files of its results; and path of the subfolder that versions before 0.5 used, which is
-#: deleted.
-RECORDS, BEFORE = "records", ("joblib", "rollbench")
+#: Subfolder of a cache for the files of its results.
+RECORDS = "records"
 #: Length of the digest at the beginning of a result's file [bytes].
 _DIGEST = 32
 #: Binary format of a result's computing time [s], which its file holds between the digest and the result itself.
@@ -157,22 +155,14 @@ class Cache:
             The result is not a ``type_``; or the file's name cannot be computed, because the function is local or an
             argument has no canonical text (`record_keys.canonical_text`).
         """
-        path = self._path_of_result(build, arguments, type_)
-        record = None if path is None else _read_stored_result(path, type_)
-        if record is not None:
-            self.hits += 1
-            self.cold_seconds += record[1]
-            return record[0]
-        self.misses += 1
-        start = time.perf_counter()
-        value = build(*arguments)
-        spent = time.perf_counter() - start
-        self.cold_seconds += spent
-        if not isinstance(value, type_):
-            raise TypeError(f"{build.__qualname__} returned a {type(value).__name__}, not a {type_.__name__}")
-        if path is not None and not self.fault:
-            self._write_result(path, _SECONDS.pack(spent) + record_to_bytes(value))
-        return value
+
+        def build_one(_: object) -> list[T]:
+            value = build(*arguments)
+            if not isinstance(value, type_):
+                raise TypeError(f"{build.__qualname__} returned a {type(value).__name__}, not a {type_.__name__}")
+            return [value]
+
+        return self._get_or_build(build, build_one, [arguments], type_)[0]
 
     def get_each(
         self, build: Callable[[Sequence[Any]], Sequence[T]], arguments: Sequence[tuple[object, ...]], type_: type[T]
@@ -199,7 +189,20 @@ class Cache:
         TypeError
             The name of a file cannot be computed, see `Cache.get`.
         """
-        paths = [self._path_of_result(build, each, type_) for each in arguments]
+        return self._get_or_build(build, build, arguments, type_)
+
+    def _get_or_build(
+        self,
+        named: Callable[..., object],
+        build: Callable[[Sequence[Any]], Sequence[T]],
+        arguments: Sequence[tuple[object, ...]],
+        type_: type[T],
+    ) -> list[T]:
+        """Read results from their files, or compute and store all that are missing by one call of ``build``.
+
+        ``named``: function whose name is a part of the files' names; ``arguments``, ``type_``: as for `Cache.get_each`.
+        """
+        paths = [self._path_of_result(named, each, type_) for each in arguments]
         records = [None if path is None else _read_stored_result(path, type_) for path in paths]
         missing = [k for k, record in enumerate(records) if record is None]
         start = time.perf_counter()
@@ -250,7 +253,6 @@ class Cache:
             finally:
                 new.unlink(missing_ok=True)
             _remove_oldest_files(path.parent, self.limit)
-            shutil.rmtree(path.parents[1].joinpath(*BEFORE), ignore_errors=True)
         except OSError as error:
             self.report_fault_and_stop(error.strerror or str(error))
 
@@ -377,21 +379,6 @@ def switch_on_geometry_cache() -> None:
 def is_geometry_cache_on() -> bool:
     """Return whether results of functions decorated by `cached_on_disk` are stored on disk and read from there."""
     return bool(_stores)
-
-
-def switch_off_geometry_cache() -> None:
-    """Stop the use of the cache on disk: functions decorated by `cached_on_disk` compute all results from now on."""
-    _stores.clear()
-
-
-@contextmanager
-def without_geometry_cache() -> Iterator[None]:
-    """Disable the cache of functions decorated by `cached_on_disk` during a ``with`` block, for timings."""
-    before, _stores[:] = list(_stores), []
-    try:
-        yield
-    finally:
-        _stores[:] = before
 
 
 def cached_on_disk(result_class: type[T]) -> Callable[[Callable[P, T]], Callable[P, T]]:

@@ -56,16 +56,9 @@ def quantity_field(
     key: str,
     definition: str = "",
     *also: QuantityDescription,
-    error: str = "",
-    heading: str = "",
-    form: str = "g5",
-    parts: str = "",
-    show: Callable[[Any], object] | None = None,
-    expected: tuple[str, float] = ("", 0.0),
-    note: str = "",
-    optional: bool = False,
     default: Any = MISSING,
     default_factory: Any = MISSING,
+    **others: Any,
 ) -> Any:
     """Return a dataclass field of a result record, with the description of its quantity attached.
 
@@ -75,10 +68,10 @@ def quantity_field(
         Key and definition, as the fields of `QuantityDescription`.
     *also : QuantityDescription
         Descriptions of further keys that are computed from the same value.
-    error, heading, form, parts, show, expected, note, optional
-        Error, name, format and other properties, as the fields of `QuantityDescription`.
     default, default_factory : Any, default MISSING
         Default of the field, as for ``dataclasses.field``.
+    **others : Any
+        Error, heading, format and other properties, as the further fields of `QuantityDescription`.
 
     Returns
     -------
@@ -93,7 +86,7 @@ def quantity_field(
     >>> Contact(2.0).force, quantity_descriptions(Contact)[0][1].definition
     (2.0, 'its load F')
     """
-    stated = QuantityDescription(key, definition, error, heading, form, parts, show, expected, note, optional), *also
+    stated = QuantityDescription(key, definition, **others), *also
     given: dict[str, Any] = {"default": default, "default_factory": default_factory}
     return field(**given, metadata={"stated": stated})
 

@@ -46,7 +46,7 @@ def scene_key(
         Whether the field has an effect on static contact loads, and so is a part of the keys of stored runs. If one field
         of a record says so, all must.
     usual : object, optional
-        Frozen default, as `frozen_default` sets it.
+        Frozen default, as `frozen_default` sets it; the default of today may be another.
     **more : Any
         Further arguments of ``dataclasses.field``, such as the default in SI units.
 
@@ -61,13 +61,7 @@ def scene_key(
 
 
 def frozen_default(
-    default: Any,
-    description: str = "",
-    example: object = None,
-    *,
-    static: bool | None = None,
-    present_default: Any = _NONE,
-    compare: bool = True,
+    default: Any, description: str = "", example: object = None, *, static: bool | None = None, compare: bool = True
 ) -> Any:
     """Return a dataclass field with a frozen default: a value equal to it does not change the keys of stored 3D runs.
 
@@ -80,8 +74,6 @@ def frozen_default(
     description, example, static : str, object and bool, optional
         Description and example of the field as a key of scene files, and whether it affects static contact loads, as for
         `scene_key`.
-    present_default : object, optional
-        Default that is used today, where it differs from the frozen one.
     compare : bool, default True
         Whether the field counts when records are compared and hashed.
 
@@ -90,8 +82,7 @@ def frozen_default(
     dataclasses.Field
         The field, for the body of a dataclass.
     """
-    present = default if present_default is _NONE else present_default
-    return scene_key(description, example, static=static, usual=default, default=present, compare=compare)
+    return scene_key(description, example, static=static, usual=default, default=default, compare=compare)
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(scene_key,))

@@ -41,7 +41,7 @@ def test_a_default_that_is_not_frozen_fails_at_import_and_one_that_is_changed_la
 
     @record_keys.frozen_record
     class Later:
-        sign: float = record_keys.frozen_default(1.0, present_default=-1.0)
+        sign: float = record_keys.scene_key(usual=1.0, default=-1.0)
 
     assert list(map(record_keys.canonical_text, (Later(), Later(1.0)))) == ["Later(sign=-1)", "Later()"]
 
