@@ -30,6 +30,8 @@ from rollbench.meshes.ranges import ShareOfLoadRating
 ONE_WAY = ("+z", "-z")
 #: Conformity (groove radius over ball diameter) with which the search for a conformity from a rigidity starts.
 USUAL_CONFORMITY = 0.52
+#: Material of rollers where only their geometry matters, which does not depend on the moduli.
+ANY = Material(2e11, 0.3)
 #: Least share of the pitch circle that the diameters of tapered rollers fill; usual is 0.75 to 0.95.
 LEAST_FILL = 0.1
 #: 6 x 6 stiffness matrix of zeros.
@@ -244,7 +246,9 @@ def _nut_or_bearing_faults(number: int, set_keys: schema.NutOrBearingKeys) -> It
         if set_keys.rollers.roller_angle * 2.0 >= set_keys.rollers.cup_angle:
             advice = "check both half angles: the half angle of the cone is cup_angle minus twice roller_angle"
             yield Fault((f"{at}.rollers.roller_angle",), "below half the cup_angle", advice)
-        elif (circle := _pitch_diameter(set_keys.rollers)) > (most := _largest_pitch_diameter(set_keys.rollers)):
+        elif (circle := tapered_bearing_of_row(_roller_row_from_keys(set_keys.rollers, ANY)).pitch_diameter) > (
+            most := set_keys.rollers.count * set_keys.rollers.diameter / (LEAST_FILL * pi)
+        ):
             allowed = f"an angle that gives a pitch circle of at most {length_text(most)}"
             advice = (
                 f"correct it, or cup_angle or count: the pitch circle would be {length_text(circle)}, of which the rollers "
@@ -284,17 +288,6 @@ def _nut_or_bearing_faults(number: int, set_keys: schema.NutOrBearingKeys) -> It
         yield Fault((f"{at}.carrier",), f"another housing than {at}.housing", "name another housing in one of the two keys")
 
 
-def _pitch_diameter(rollers: schema.TaperedRollerKeys) -> float:
-    """Return the diameter [m] of the pitch circle that follows from the angles and the diameter of tapered rollers."""
-    row = _roller_row_from_keys(rollers, Material(2e11, 0.3))  # the geometry does not depend on the moduli
-    return tapered_bearing_of_row(row).pitch_diameter
-
-
-def _largest_pitch_diameter(rollers: schema.TaperedRollerKeys) -> float:
-    """Return the diameter [m] of the pitch circle of which tapered rollers would fill the least share."""
-    return rollers.count * rollers.diameter / (LEAST_FILL * pi)
-
-
 def _roller_end_faults(table_path: str, rollers: schema.TaperedRollerKeys) -> Iterator[Fault]:
     """Yield the faults of keys for the ends of tapered rollers: edge rounding, rib height, and contact with the rib.
 
@@ -311,7 +304,7 @@ def _roller_end_faults(table_path: str, rollers: schema.TaperedRollerKeys) -> It
     elif rollers.end_radius is not None:
         from rollbench.lowfi.bearings.tapered_roller import rib_height, rib_relative_curvatures
 
-        row = _roller_row_from_keys(rollers, Material(2e11, 0.3))  # the geometry does not depend on the moduli
+        row = _roller_row_from_keys(rollers, ANY)
         try:
             rib_relative_curvatures(tapered_bearing_of_row(row), rollers.end_radius, rib_height(row))
         except ValueError as error:

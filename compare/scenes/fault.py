@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
@@ -51,17 +51,8 @@ def length_text(length: float) -> str:
     return f"{length * 1e6:.6g} um" if 0.0 < abs(length) < 1e-4 else f"{length * 1e3:.7g} mm"
 
 
-class FaultMessage(NamedTuple):
-    """Message about one fault of a scene file, in four parts: key, value, allowed values, advice to the user."""
-
-    #: Path of the faulty key, such as ``sets[0].balls``.
-    key: str
-    #: Value that the file gives.
-    value: str
-    #: Allowed range or condition.
-    allowed: str
-    #: What the user should do.
-    advice: str
+#: Message about one fault of a scene file, in four parts: path of the key, value, allowed values, advice to the user.
+FaultMessage = tuple[str, str, str, str]
 
 
 def scene_error_of_all_faults(file_name: str, messages: Sequence[FaultMessage]) -> SceneError:
@@ -97,21 +88,17 @@ def messages_of_faults(tables: Mapping[str, Any], faults: Sequence[Fault]) -> li
     """
     out = []
     for fault in faults:
-        names = [name for key in fault.keys for name in (key, *_alias_keys(key))]
+        names = []
+        for key in fault.keys:
+            names.append(key)
+            names += [key.removesuffix(x) + other for x, others in ALIASES.items() if key.endswith(x) for other in others]
         present = ((name, value) for name in names if (value := value_at_path(tables, name)) is not None)
         key, given = next(present, (fault.keys[-1], None))
         value = fault.value or ("nothing" if given is None else toml_text(given))
         half = key not in fault.keys and key.endswith("diameter")
         allowed = f"{fault.allowed}, as a radius" if half else fault.allowed
-        out.append(FaultMessage(key, value, allowed, fault.advice))
+        out.append((key, value, allowed, fault.advice))
     return out
-
-
-def _alias_keys(key: str) -> Iterator[str]:
-    """Yield the keys that a file may have in place of ``key`` (`ALIASES`), such as a diameter in place of a radius."""
-    for suffix, others in ALIASES.items():
-        if key.endswith(suffix):
-            yield from (key.removesuffix(suffix) + other for other in others)
 
 
 def value_at_path(raw: Any, path: str) -> Any:
@@ -274,7 +261,7 @@ def message_on_unknown_key(schema: dict[str, Any], fault: Any) -> tuple[FaultMes
     else:
         meant = near[0] if near else ""
         advice = f"unknown key; did you mean {meant}?" if near else "unknown key: remove it, or move it to its table"
-    return FaultMessage(_key_path(where), toml_text(fault["input"]), ", ".join(known), advice), meant
+    return (_key_path(where), toml_text(fault["input"]), ", ".join(known), advice), meant
 
 
 def _refused_value_text(schema: dict[str, Any], fault: Any) -> FaultMessage:
@@ -289,7 +276,7 @@ def _refused_value_text(schema: dict[str, Any], fault: Any) -> FaultMessage:
     other = next((o for key, (o, *_) in ALIASES.items() if _key_path(where) == key and o.endswith("diameter")), "")
     if kind == "missing" and other:
         advice += f", or {other.split('.')[-1]}"
-    return FaultMessage(_key_path(where), "nothing" if kind == "missing" else toml_text(fault["input"]), allowed, advice)
+    return _key_path(where), "nothing" if kind == "missing" else toml_text(fault["input"]), allowed, advice
 
 
 def schema_part_at_path(schema: dict[str, Any], key_path: Sequence[int | str]) -> dict[str, Any]:

@@ -62,13 +62,13 @@ def new_scene_text(kind: str = "ball screw", size: str = "") -> str:
         nut.
     """
     kind = (kind or "ball-screw").replace("-", " ")
-    sized = {"ball screw": ball_screw_text, "double nut": double_nut_text}
+    sized = {"ball screw": ball_screw_text_of, "double nut": double_nut_text_of}
     if not size:
         return commented_template(kind)
     if kind not in sized:
         allowed = "without --kind, or with --kind double-nut"
         raise ArgumentError("like", size, allowed, "leave --kind out; only ball screws have a nominal size")
-    return sized[kind](size)
+    return sized[kind](typical_dimensions(size), f'title = "My {kind}"')
 
 
 def commented_template(kind: str = "ball screw") -> str:
@@ -178,22 +178,6 @@ SIGMA = 0.04
 #: Length of the spacer in a double nut, over the length of a nut; load of a double nut over that of a nut of its size, so
 #: that both nuts keep preload: about 2.8 times the preload frees one.
 SPACER, OF_DOUBLE = 0.1, 0.45
-
-
-def ball_screw_text(size: str) -> str:
-    """Return the text of a scene file of a ball screw of a nominal size.
-
-    ``size``: ``DIAMETERxLEAD`` in mm, such as 40x10. InputError for a size out of range.
-    """
-    return ball_screw_text_of(typical_dimensions(size), 'title = "My ball screw"')
-
-
-def double_nut_text(size: str) -> str:
-    """Return the text of a scene file of a screw with a double nut of a nominal size.
-
-    ``size``: ``DIAMETERxLEAD`` in mm, such as 40x10. InputError for a size out of range.
-    """
-    return double_nut_text_of(typical_dimensions(size), 'title = "My double nut"')
 
 
 def ball_screw_text_of(values: Mapping[str, Any], head: str) -> str:

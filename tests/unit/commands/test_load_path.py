@@ -6,11 +6,11 @@ import pytest
 from tests.shipped_texts import own_text
 
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes.template import ball_screw_text, commented_template
+from rollbench.compare.scenes.template import commented_template, new_scene_text
 
 pytestmark = pytest.mark.slow
 
-SCREW, AXIS = ball_screw_text("25x5"), catalogue.shipped_scene_text("axis-fixed-fixed")
+SCREW, AXIS = new_scene_text("ball screw", "25x5"), catalogue.shipped_scene_text("axis-fixed-fixed")
 FIX = 'fix = ["ux", "uy", "rx", "ry", "rz"]'
 HELD = {
     "fixed": 'fix = ["ux", "uy", "uz", "rx", "ry", "rz"]',

@@ -32,7 +32,7 @@ from rollbench.compare.results.compared import compare_models_with_reference
 from rollbench.compare.results.friction import Friction
 from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes.template import ball_screw_text
+from rollbench.compare.scenes.template import new_scene_text
 from rollbench.lowfi.rating.rigidity import approach_per_displacement
 from rollbench.lowfi.statics import equations, equilibrium
 from rollbench.lowfi.warned import INPUT, REMARK, VALIDITY, Kind, ResultWarning
@@ -176,7 +176,7 @@ def test_what_did_not_converge_prints_no_numbers_as_answers(monkeypatch, command
     assert not [line for line in text.splitlines() if re.search(r"\d\.\d+ (N|um)", line)]
 
 
-SCREW, SETS = ball_screw_text("40x10"), catalogue.shipped_scene_text("double-nut")
+SCREW, SETS = new_scene_text("ball screw", "40x10"), catalogue.shipped_scene_text("double-nut")
 BENT = '"800 mm"\nfix = ["ux", "uy"]', '"800 mm"\nfix = ["ux"]\ndisplace = { uy = "40 mm" }'
 #: Text of a scene, its changes, and what the line above the answers says.
 OUTSIDE = {
@@ -187,7 +187,11 @@ OUTSIDE = {
     "widest nut's": (SCREW, ("conformity = 0.525\n", "conformity = 0.6\n"), ()),
     "wider nut's": (SCREW, ("conformity = 0.525\n", "conformity = 0.61\n"), ("conformity above 0.6 (nut",)),
     "bent": (SCREW, BENT, ("rotations of",)),
-    "flat": (ball_screw_text("36x16"), ('"45 deg"', '"5 deg"'), ("beyond the groove's arc", "one contact counted twice")),
+    "flat": (
+        new_scene_text("ball screw", "36x16"),
+        ('"45 deg"', '"5 deg"'),
+        ("beyond the groove's arc", "one contact counted twice"),
+    ),
     "several sets": (SETS, ('offset = "-4 um"', 'offset = "-120 um"'), ("models mean: nut 1: ", "nut 2: preload")),
 }
 

@@ -9,7 +9,7 @@ import pytest
 from rollbench.compare.errors import InputError
 from rollbench.compare.models import registry
 from rollbench.compare.scenes import catalogue, from_keys, scene_file
-from rollbench.compare.scenes.template import ball_screw_text, commented_template, double_nut_text
+from rollbench.compare.scenes.template import commented_template, new_scene_text
 from rollbench.lowfi.friction.whole.circuit import circuits_of_scene
 from rollbench.lowfi.rating.life import dynamic_rating
 from rollbench.lowfi.statics.static import solve_static
@@ -112,7 +112,7 @@ def test_a_lead_offset_shifts_the_nut_s_halves_and_presses_both_ways() -> None:
 
 @pytest.mark.parametrize("size", ["6x1", "12x4", "16x16", "20x5", "32x10", "32 x 32", "40x10", "40×80", "63X20", "160x40"])
 def test_a_scene_of_every_nominal_size_reads(size: str) -> None:
-    text = ball_screw_text(size)
+    text = new_scene_text("ball screw", size)
     scene = scene_file.scene_from_text(text, "my.toml")
     assert 10 <= scene.ball_count <= 200
     wall = scene.nut.outer_diameter / 2.0 - scene.track.pitch_radius - scene.balls.radius
@@ -123,12 +123,15 @@ def test_a_scene_of_every_nominal_size_reads(size: str) -> None:
 def test_a_size_beyond_the_rules_is_refused() -> None:
     for size in ("40", "x10", "40x", "40x100", "4x1", "300x10", "-40x10", "40x10x2", "nan"):
         with pytest.raises(InputError, match="40x10"):
-            ball_screw_text(size)
+            new_scene_text("ball screw", size)
 
 
 def test_new_like_from_the_command_line(tmp_path, command) -> None:
     assert "without --kind" in command.refused("new", tmp_path / "a.toml", "--like", "40x10", "--kind", "bearing")
-    for kind, text in (((), ball_screw_text("40x10")), (("--kind", "double-nut"), double_nut_text("40x10"))):
+    for kind, text in (
+        ((), new_scene_text("ball screw", "40x10")),
+        (("--kind", "double-nut"), new_scene_text("double nut", "40x10")),
+    ):
         file = tmp_path / f"{len(kind)}.toml"
         assert command("new", file, "--like", "40x10", *kind).code == 0
         assert file.read_text(encoding="utf-8") == text
@@ -136,7 +139,7 @@ def test_new_like_from_the_command_line(tmp_path, command) -> None:
 
 @pytest.mark.parametrize("size", ["6x1", "40x10", "63x20", "20x20"])
 def test_a_double_nut_of_a_nominal_size_is_preloaded_by_a_part_of_its_rating(size: str) -> None:
-    found = scene_file.parse_scene(double_nut_text(size), "d.toml")
+    found = scene_file.parse_scene(new_scene_text("double nut", size), "d.toml")
     assert [s.thrust for s in found.sets] == ["-z", "+z"]
     for one in found.sets:
         assert one.preload == pytest.approx(0.05 * dynamic_rating(one.parts), rel=1e-12)

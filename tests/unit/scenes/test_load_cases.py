@@ -8,7 +8,7 @@ from tests.load_cases import SHIPPED, TEXT, case
 from rollbench.compare.errors import InputError
 from rollbench.compare.scenes import scene_file, template
 
-LIKE = template.ball_screw_text("40x10")
+LIKE = template.new_scene_text("ball screw", "40x10")
 TIMED = case("cutting", "8 kN", time="30 s", speed="200 rpm") + case("rapid", time="10 s", speed="-1000 rpm")
 TIMED += case("crash", "40 kN", share=0.0)
 

@@ -63,7 +63,7 @@ DISPLACED = [
 
 @pytest.mark.parametrize(("vary", "gone"), DISPLACED)
 def test_a_varied_key_takes_the_place_of_one_that_says_the_same(vary, gone):
-    text, varied = template.ball_screw_text("40x10"), keys.read_varied_keys([vary])
+    text, varied = template.new_scene_text("ball screw", "40x10"), keys.read_varied_keys([vary])
     raw = scene_file.parse_toml(text, "my.toml")
     assert [other for _, other in keys.varied_and_replaced_keys(raw, varied)] == gone
     first, second = (
@@ -75,7 +75,7 @@ def test_a_varied_key_takes_the_place_of_one_that_says_the_same(vary, gone):
 
 
 def test_the_same_in_a_set():
-    raw = scene_file.parse_toml(template.double_nut_text("40x10"), "my.toml")
+    raw = scene_file.parse_toml(template.new_scene_text("double nut", "40x10"), "my.toml")
     varied = keys.read_varied_keys(["sets[1].nut.groove_radius=3.3 mm:3.4 mm"])
     assert keys.varied_and_replaced_keys(raw, varied) == [("sets[1].nut.groove_radius", "sets[1].nut.conformity")]
     found = scene_tables.scene_from_tables(keys.tables_with_varied_keys(raw, varied, ["3.4 mm"]), "my.toml")

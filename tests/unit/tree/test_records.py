@@ -30,7 +30,6 @@ EXPLAINED = {
     ("FrictionCase", "BallsUnderLoad"): "what a user asks for with its static result, and the contacts that follow from it",
     ("ContactDissipationRatio", "DissipationState"): "one contact, and the sum over a body with its balance",
     ("ComputedBand", "DescriptorWithRange"): "a maker's value with its band, and a feature of a scene with those compared",
-    ("Fault", "FaultMessage"): "a fault of several keys, and what is said of one of them",
     ("BallScrewFrictionKeys", "BearingBallKeys"): "tables of files of two kinds of scene, each with its own ranges",
     ("BallScrewFrictionKeys", "LinearBearingKeys"): "tables of files of two kinds of scene, each with its own ranges",
     ("BearingBallKeys", "BearingPairKeys"): "tables of files of two kinds of scene, each with its own ranges",
