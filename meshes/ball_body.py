@@ -14,17 +14,12 @@ from math import cos, sin
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from skfem import Mesh
 
 from rollbench.meshes import shell, sockets
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import MeshedBody, MeshQuality
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDES
-
-#: Array of truth values, such as whether each of several points is inside a cone.
-Flags = NDArray[np.bool_]
 
 #: Distances from the refinement boxes between which the element size grows from that at the boxes to that far away, as
 #: ratios to the ball's radius.
@@ -57,13 +52,11 @@ class CoarseBallMesh(MeshedBody):
     each contact, "socket SL" (screw left), "socket SR" (screw right), "socket NL" (nut left), "socket NR" (nut right).
     """
 
-    #: Mesh of second-order tetrahedra.
-    mesh: Mesh
     #: Nodes on the inner faces of each refinement box, by flank 0 to 3.
     nodes_on_box_faces: dict[int, Index]
     #: Mesh of each refinement box's faces, by flank 0 to 3.
     box_faces: dict[int, sockets.RefinementBoxFaces]
-    #: Number of cells and nodes of the mesh, and smallest and median scaled Jacobian of its cells.
+    #: Number of cells and nodes of the mesh, and smallest scaled Jacobian of its cells.
     quality: MeshQuality
 
 
@@ -207,14 +200,13 @@ def mesh_ball_with_refinement_boxes(
     Raises
     ------
     ValueError
-        There is no refinement box, refinement boxes overlap, or no attempt of gmsh gives a good mesh.
+        No attempt of gmsh gives a good mesh.
     """
 
     def point_map_of_box(side: int) -> Callable[[Array], Array]:
         like = next(box for box in boxes if box.side // 2 == side // 2)
         return partial(points_in_ball_refinement_box, m, replace(like, side=side))
 
-    _check_refinement_boxes_of_ball(m, boxes)
     sizes = cell_size_at_boxes, cell_size_far_away
     try:
         faces = [sockets.mesh_refinement_box_of_flank(point_map_of_box, box.side, edge_divisions) for box in boxes]
@@ -345,42 +337,3 @@ def normal_between_hemispheres(m: GrooveMap) -> Array:
     n = contact_frame_vectors(m, 3)[0]
     x3, z3 = cos(m.beta) * n - sin(m.beta) * t1, sin(m.beta) * n + cos(m.beta) * t1
     return np.asarray(x3 if m.beta <= np.pi / 4 else z3)
-
-
-def _check_refinement_boxes_of_ball(m: GrooveMap, boxes: tuple[BallRefinementBox, ...]) -> None:
-    """Raise ValueError unless there are refinement boxes (``boxes``), and all fit into the ball without overlap."""
-    if not boxes:
-        raise ValueError("a ball mesh without contacts: give a refinement box for at least one contact")
-    remedy = "make the refinement boxes smaller (the module rollbench.meshes.sockets computes a size that fits)"
-    a, b = np.linspace(-1.0, 1.0, 41)[:-1], np.ones(40)
-    around = np.concatenate([np.stack(x, 1) for x in ((a, 0 * a, -b), (b, 0 * a, a), (-a, 0 * a, b), (-b, 0 * a, -a))])
-    outlines = {box.side: points_in_ball_refinement_box(m, box, 1.02 * around) for box in boxes}
-    for box in boxes:
-        name = f"refinement box at flank {SIDES[box.side]} of a ball of {1e3 * m.ball:.4g} mm radius"
-        if not 0.0 < box.depth < 0.8 * m.ball:
-            raise ValueError(f"the {name} is {1e3 * box.depth:.4g} mm deep, not between 0 and 0.8 ball radii: {remedy}")
-        points = points_in_ball_refinement_box(m, box, around)
-        if np.linalg.norm(rays_from_ball_centre(m, box, around), axis=1).max() * (m.ball - box.depth) >= m.ball:
-            raise ValueError(f"the {name} is wider than its depth of {1e3 * box.depth:.4g} mm allows: {remedy}")
-        if np.ptp(np.sign(points @ normal_between_hemispheres(m))) > 0.0:
-            raise ValueError(f"the {name} extends beyond one half of the ball: {remedy}")
-        for other in (x for x in boxes if x is not box):
-            if _are_inside_cone(outlines[other.side], points, contact_frame_vectors(m, other.side)).any():
-                raise ValueError(f"the {name} and that at flank {SIDES[other.side]} overlap: {remedy}")
-
-
-def _are_inside_cone(outline: Array, points: Array, frame: Array) -> Flags:
-    """Return whether each point is inside the cone from the ball's centre through a closed outline ``(n,)``.
-
-    ``outline``: points of the outline in order ``(k, 3)``; ``points``: points to test ``(n, 3)``; ``frame``: unit vectors
-    in its rows ``(3, 3)``: the normal of a plane, and two axes in the plane. Points and outline are projected from the
-    ball's centre onto this plane; a point is inside the cone where the outline winds around it.
-    """
-    before = points @ frame[0] > 0.0
-    turn = np.zeros(len(points))
-    flat = outline @ frame[1:].T / (outline @ frame[0])[:, None]
-    at = points[before] @ frame[1:].T / (points[before] @ frame[0])[:, None]
-    arms = flat[None] - at[:, None]
-    angle = np.unwrap(np.arctan2(arms[..., 1], arms[..., 0])[:, [*range(len(flat)), 0]], axis=1)
-    turn[before] = np.abs(angle[:, -1] - angle[:, 0])
-    return np.asarray(turn > np.pi)

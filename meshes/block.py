@@ -7,7 +7,7 @@ and the half-space is cut off at the planes x = size, y = size and z = size, wit
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from skfem import Mesh
@@ -24,9 +24,6 @@ class QuarterBlockMesh(fem.MeshedBody):
     Names of boundaries: "contact" (the plane z = 0), "x = 0" and "y = 0" (the planes of symmetry), "cut" (the planes where
     the half-space is cut off).
     """
-
-    #: Mesh of the quarter block: hexahedra or tetrahedra.
-    mesh: Mesh
 
     @property
     def element(self) -> str:
@@ -133,25 +130,16 @@ class EllipsoidElementSizes:
     #: Largest edge length, far from the ellipsoid [m].
     largest_edge_length: float
 
-    def scaled(self, factor: float) -> EllipsoidElementSizes:
-        """Return a copy of these edge lengths and semi-axes, multiplied by ``factor``."""
-        x, y, z = (factor * length for length in self.semi_axes)
-        return replace(
-            self,
-            inner_edge_length=factor * self.inner_edge_length,
-            semi_axes=(x, y, z),
-            largest_edge_length=factor * self.largest_edge_length,
-        )
-
-    def edge_length_formula(self) -> str:
-        """Return the edge length [m] as a formula of x, y, z for gmsh.
+    def edge_length_formula(self, factor: float) -> str:
+        """Return the edge length as a formula of x, y, z for gmsh, for all lengths multiplied by ``factor``.
 
         Outside the ellipsoid the length grows with the distance, measured along the shortest semi-axis, between the
         ellipsoid and the similar ellipsoid through the point.
         """
-        x, y, z = self.semi_axes
-        away = f"({min(self.semi_axes)!r}*Max(0, Sqrt((x/{x!r})^2+(y/{y!r})^2+(z/{z!r})^2)-1))"
-        return f"Min({self.largest_edge_length!r}, {self.inner_edge_length!r}+{self.growth_per_distance!r}*{away})"
+        x, y, z = (factor * length for length in self.semi_axes)
+        away = f"({min(x, y, z)!r}*Max(0, Sqrt((x/{x!r})^2+(y/{y!r})^2+(z/{z!r})^2)-1))"
+        inner, largest = factor * self.inner_edge_length, factor * self.largest_edge_length
+        return f"Min({largest!r}, {inner!r}+{self.growth_per_distance!r}*{away})"
 
 
 def mesh_block_with_tetrahedra(order: int, element_sizes: EllipsoidElementSizes, block_edge: float) -> QuarterBlockMesh:
@@ -180,7 +168,7 @@ def mesh_block_with_tetrahedra(order: int, element_sizes: EllipsoidElementSizes,
         gmsh.model.add("block")
         gmsh.model.occ.addBox(0.0, 0.0, 0.0, 1.0, 1.0, 1.0)  # OpenCASCADE's tolerances are made for lengths of about 1
         gmsh.model.occ.synchronize()
-        set_element_size_formula(gmsh, element_sizes.scaled(1.0 / block_edge).edge_length_formula())
+        set_element_size_formula(gmsh, element_sizes.edge_length_formula(1.0 / block_edge))
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(order)
         points, cells = take_nodes_and_cells(gmsh, *{1: (4, 4), 2: (11, 10)}[order])

@@ -185,6 +185,7 @@ def nodes_of_cells(mesh: Mesh) -> Index:
     return np.asarray(mesh.dofs.element_dofs.T[:, np.argsort(_SKFEM[element_type_of_mesh(mesh)])], dtype=np.int64)
 
 
+@dataclass(frozen=True)
 class MeshedBody:
     """Base class of records that contain the finite element mesh of a body."""
 
@@ -355,7 +356,7 @@ CHUNK = 8192
 
 @dataclass(frozen=True)
 class MeshQuality:
-    """Size and quality of a mesh: numbers of cells and nodes, and smallest and median scaled Jacobian of the cells."""
+    """Size and quality of a mesh: numbers of cells and nodes, and smallest scaled Jacobian of the cells."""
 
     #: Number of cells of the mesh.
     cell_count: int
@@ -363,8 +364,6 @@ class MeshQuality:
     node_count: int
     #: Smallest scaled Jacobian of all cells.
     smallest_jacobian: float
-    #: Median, over the cells, of the smallest scaled Jacobian in each cell.
-    median_jacobian: float
     #: Number of the cell with the smallest scaled Jacobian.
     worst_cell: int
     #: Coordinates of the centre of the cell `worst_cell` [m].
@@ -465,9 +464,8 @@ def mesh_quality(mesh: Mesh) -> MeshQuality:
     jacobians = scaled_jacobians(mesh)
     worst = int(jacobians.argmin())
     x, y, z = mesh.doflocs[:, mesh.dofs.element_dofs[:, worst]].mean(axis=1)
-    smallest, median = float(jacobians[worst]), float(np.median(jacobians))
     centre = float(x), float(y), float(z)
-    return MeshQuality(mesh.nelements, mesh.doflocs.shape[1], smallest, median, worst, centre)
+    return MeshQuality(mesh.nelements, mesh.doflocs.shape[1], float(jacobians[worst]), worst, centre)
 
 
 def check_no_inverted_cells(quality: MeshQuality, body_name: str) -> None:
@@ -630,28 +628,3 @@ def improve_curved_cells(
     mesh, quality = found, mesh_quality(found)
     check_no_inverted_cells(quality, body_name)
     return mesh, straight, quality
-
-
-def largest_arc_deviation(x3: Array, z3: Array, centre: Array, radius: float) -> float:
-    """Return the largest distance of points in the groove section from a circular arc of the groove.
-
-    Parameters
-    ----------
-    x3, z3 : Array
-        Coordinates of the points in the section normal to the track [m]: x3 radial, z3 across the track.
-    centre : (2,) Array
-        Coordinates x3, z3 of the centre of the arc [m].
-    radius : float
-        Radius of the arc [m].
-
-    Returns
-    -------
-    float
-        Distance [m]; 0 where there are no points.
-
-    Examples
-    --------
-    >>> largest_arc_deviation(np.array([3.0, 0.0]), np.array([0.0, 3.5]), np.zeros(2), 3.0)
-    0.5
-    """
-    return float(np.abs(np.hypot(x3 - centre[0], z3 - centre[1]) - radius).max(initial=0.0))

@@ -8,14 +8,12 @@ straight prism in the unrolled coordinates (phi, zeta, r), and nodes of a mesh a
 
 from __future__ import annotations
 
-from dataclasses import fields
-from functools import cached_property
 from math import cos, sin
 from typing import Literal
 
 import numpy as np
 
-from rollbench.meshes.arrays import Array
+from rollbench.meshes.arrays import Array, RecordWithArrays
 from rollbench.meshes.helix import lead_angle, lead_per_radian, nominal_groove_centres, nominal_groove_radii
 from rollbench.meshes.one_arc import contacts_merge_at_apex, flanks_with_contacts_of_arcs
 from rollbench.meshes.parts import SIDE_SIGNS, Scene
@@ -23,7 +21,7 @@ from rollbench.meshes.record_keys import frozen_default, frozen_record
 
 
 @frozen_record
-class GrooveMap:
+class GrooveMap(RecordWithArrays):
     """Nominal groove surfaces of a scene, with coordinate transformations between space and the groove section."""
 
     #: Pitch radius [m].
@@ -82,20 +80,6 @@ class GrooveMap:
             track.starts,
             track.arcs,
         )
-
-    @cached_property
-    def _field_values(self) -> tuple[object, ...]:
-        """Values of all fields of the groove surfaces, with arrays as bytes, for comparison and hashing."""
-        values = (getattr(self, field.name) for field in fields(self))
-        return tuple(value.tobytes() if isinstance(value, np.ndarray) else value for value in values)
-
-    def __eq__(self, other: object) -> bool:
-        """Return whether two groove surfaces have the same values in all fields."""
-        return isinstance(other, GrooveMap) and self._field_values == other._field_values
-
-    def __hash__(self) -> int:
-        """Return a hash of the values of all fields."""
-        return hash(self._field_values)
 
     @property
     def touches_at_apex(self) -> bool:
@@ -269,6 +253,28 @@ class GrooveMap:
         sx, sz = self.signs[side]
         wx, wz = x3 - self.centre[side, 0], z3 - self.centre[side, 1]
         return np.arctan2(sz * wz, sx * wx), np.hypot(wx, wz)
+
+    def distances_from_flank(self, side: int, points: Array) -> Array:
+        """Return the distances of points from the exact surface of a flank, each in the section normal to the helix.
+
+        Parameters
+        ----------
+        side : int
+            Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
+        points : (n, 3) Array
+            Points [m].
+
+        Returns
+        -------
+        (n,) Array
+            Signed distances [m], positive where the distance of a point from the centre of the arc exceeds its radius.
+        """
+        r, zeta = np.hypot(points[:, 0], points[:, 1]), points[:, 2] - self.z0
+        if self.rg:
+            zeta = zeta - self.rg * (np.arctan2(points[:, 1], points[:, 0]) - self.phase)
+            pitch = 2.0 * np.pi * abs(self.rg) / self.starts
+            zeta = zeta - pitch * np.round(zeta / pitch)
+        return np.asarray(self.section_to_polar(side, *self.unrolled_to_section(r, zeta))[1] - self.radius[side])
 
     def unrolled_to_cartesian(self, r: Array, zeta: Array, phi: Array) -> Array:
         """Convert unrolled coordinates along the groove's helix to Cartesian coordinates.

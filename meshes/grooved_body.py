@@ -14,7 +14,6 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from skfem import Mesh
 
 from rollbench.meshes import fem, groove, shell, sockets
 from rollbench.meshes.arrays import Array, Index
@@ -39,15 +38,13 @@ class CoarseGroovedBodyMesh(fem.MeshedBody):
     rest of that face) and "centring" (the cylindrical fit next to it).
     """
 
-    #: Mesh of second-order tetrahedra.
-    mesh: Mesh
     #: Nodes on the faces of each refinement box ``(count, k)``, in the order of the nodes of its mesh in ``box_faces``.
     nodes_on_box_faces: Index
     #: Mesh of the faces of a refinement box, by the flank (0 to 3) on which the box lies.
     box_faces: dict[int, sockets.RefinementBoxFaces]
     #: Largest distance of the flanks' nodes, including the refinement boxes' rims, from the exact flanks [m].
     flank_deviation: float
-    #: Number of cells and nodes of the mesh, and smallest and median scaled Jacobian of its cells.
+    #: Number of cells and nodes of the mesh, and smallest scaled Jacobian of its cells.
     quality: fem.MeshQuality
 
 
@@ -435,11 +432,8 @@ def mesh_grooved_body(m: GrooveMap, spec: groove.GroovedBodySpec) -> CoarseGroov
     Raises
     ------
     ValueError
-        A refinement box does not fit, or no attempt of gmsh gives a good mesh.
+        The groove leaves no land or wall, or no attempt of gmsh gives a good mesh.
     """
-    sockets.check_refinement_boxes_fit(
-        m, spec.refinement_box_size, spec.contact_positions, *spec.land_and_back_radii, (spec.z_low, spec.z_high)
-    )
     section = groove.GrooveCrossSection.from_body(m, spec)
     xi = np.array(list(product((-1.0, 0.0, 1.0), (0.0, 0.5, 1.0), (-1.0, 0.0, 1.0))))
     size, contacts = spec.refinement_box_size, spec.contact_positions
@@ -472,18 +466,6 @@ def _build_body_record(built: GroovedBodySurface, filled: shell.FilledSurfaceMes
     deviation, ends = 0.0, built.section.run_out
     for s in built.section.sides:
         x = fem.node_coordinates(mesh)[fem.nodes_on_boundaries(mesh, f"flank {SIDES[s]}")]
-        deviation = max(deviation, _largest_flank_deviation(m, s, x if ends is None else x[ends.has_full_depth(x)]))
+        off = m.distances_from_flank(s, x if ends is None else x[ends.has_full_depth(x)])
+        deviation = max(deviation, float(np.abs(off).max(initial=0.0)))
     return CoarseGroovedBodyMesh(mesh, box_nodes, built.boxes, deviation, quality)
-
-
-def _largest_flank_deviation(m: GrooveMap, side: int, points: Array) -> float:
-    """Return the largest distance [m] between points and the exact surface of a flank; 0 without points.
-
-    ``m``: groove surfaces of the track; ``side``: flank 0 to 3; ``points``: coordinates of the points ``(n, 3)`` [m].
-    """
-    r, zeta = np.hypot(points[:, 0], points[:, 1]), points[:, 2] - m.z0
-    if m.rg:
-        zeta = zeta - m.rg * (np.arctan2(points[:, 1], points[:, 0]) - m.phase)
-        pitch = 2.0 * np.pi * abs(m.rg) / m.starts
-        zeta = zeta - pitch * np.round(zeta / pitch)
-    return fem.largest_arc_deviation(*m.unrolled_to_section(r, zeta), m.centre[side], float(m.radius[side]))

@@ -54,8 +54,6 @@ class RollerSectionMesh:
 class ExtrudedRollerBody(MeshedBody):
     """Mesh of half a raceway or of a quarter of a tapered roller, with the nodes in the zone of possible contact."""
 
-    #: Mesh of hexahedra, an object of scikit-fem.
-    mesh: object
     #: Nodes in the zone of possible contact ``(rows, columns)``: one row for each distance from the apex, with columns from
     #: the contact line outwards.
     contact_nodes: Index

@@ -111,10 +111,36 @@ def take_nodes_and_cells(gmsh: Any, element_type: int, nodes_per_cell: int) -> t
     """
     tags, xyz, _ = gmsh.model.mesh.getNodes()
     ascending = np.argsort(tags)
-    _, nodes = gmsh.model.mesh.getElementsByType(element_type)
+    cells = number_elements(gmsh, element_type, tags[ascending], nodes_per_cell)
     gmsh.model.remove()
-    cells = np.searchsorted(tags[ascending], nodes).reshape(-1, nodes_per_cell)
     return xyz.reshape(-1, 3)[ascending], cells
+
+
+def number_elements(gmsh: Any, element_type: int, tags: Array, nodes_per_element: int, entity: int = -1) -> Index:
+    """Return the nodes of gmsh's elements of one type, numbered by their places in a list of node tags.
+
+    Parameters
+    ----------
+    gmsh : Any
+        The module gmsh, in a `gmsh_session`.
+    element_type : int
+        gmsh's number of the element type.
+    tags : (n,) Array
+        gmsh's tags of the nodes, in the order in which they are numbered from 0.
+    nodes_per_element : int
+        Number of nodes of this element type.
+    entity : int, default -1
+        Number of the curve, surface or volume whose elements are returned; -1: all.
+
+    Returns
+    -------
+    (m, nodes_per_element) Index
+        Nodes of the elements.
+    """
+    number = np.full(int(tags.max(initial=0)) + 1, -1, dtype=np.int64)
+    number[tags.astype(np.int64)] = np.arange(len(tags))
+    nodes = gmsh.model.mesh.getElementsByType(element_type, entity)[1]
+    return np.asarray(number[nodes.astype(np.int64)].reshape(-1, nodes_per_element))
 
 
 #: Function that maps an array of coordinates or parameters to an array of coordinates or lengths.
@@ -526,11 +552,7 @@ def triangulate_plane_region(
         at.reshape(-1, 3)[:, :2], MM * loop_coordinates, atol=1e-9
     ):
         raise ValueError("gmsh added or moved nodes on the boundary of a face, whose nodes must not change")
-    number = np.full(int(max(tags.max(initial=0), boundary.max())) + 1, -1, dtype=np.int64)
-    number[boundary.astype(np.int64)] = np.arange(len(loop_coordinates))
-    number[tags.astype(np.int64)] = len(loop_coordinates) + np.arange(len(tags))
-    _, corners = mesh.getElementsByType(2)
-    tris = number[corners.astype(np.int64)].reshape(-1, 3)
+    tris = number_elements(gmsh, 2, np.concatenate([boundary, tags]), 3)
     gmsh.model.remove()
     a, b, c = (np.concatenate([loop_coordinates, inner])[tris[:, k]] for k in range(3))
     turned = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
@@ -584,11 +606,7 @@ def fill_with_tetrahedra(
     gmsh.model.mesh.generate(3)
     gmsh.model.mesh.removeSizeCallback()
     tags, xyz, _ = gmsh.model.mesh.getNodes(3, -1)
-    number = np.full(int(max(tags.max(initial=0), count)) + 1, -1, dtype=np.int64)
-    number[1 : count + 1] = np.arange(count)
-    number[tags.astype(np.int64)] = count + np.arange(len(tags))
-    _, corners = gmsh.model.mesh.getElementsByType(4)
-    cells = number[corners.astype(np.int64)].reshape(-1, 4)
+    cells = number_elements(gmsh, 4, np.append(np.arange(1, count + 1), tags), 4)
     gmsh.model.remove()
     if not len(cells):
         raise ValueError("gmsh made no tetrahedra inside the closed surface")

@@ -89,9 +89,6 @@ class RefinementBoxFaces:
     xi: Array
     #: Nodes of the second-order triangles ``(t, 6)``, as row indices of ``xi``.
     triangles: Index
-    #: Number of the face on which each triangle lies ``(t,)``: 0 and 1 at the smallest and largest section angle, 2 the
-    #: bottom, 3 and 4 at the smallest and largest azimuth.
-    face_of_triangle: Index
     #: Midside node of each edge of the triangles; the key holds the edge's two corner nodes in ascending order.
     midside_node_of_edge: dict[tuple[int, int], int]
 
@@ -127,15 +124,14 @@ def mesh_refinement_box_faces(point_map: Callable[[Array], Array], divisions: tu
     """
     lines = [np.linspace(low, 1.0, count + 1) for low, count in zip((-1.0, 0.0, -1.0), divisions, strict=True)]
     number: dict[tuple[int, ...], int] = {}
-    squares, owner = [], []
-    for face, (axis, end) in enumerate(((0, 0), (0, divisions[0]), (1, divisions[1]), (2, 0), (2, divisions[2]))):
+    squares = []
+    for axis, end in ((0, 0), (0, divisions[0]), (1, divisions[1]), (2, 0), (2, divisions[2])):
         a, b = (k for k in range(3) if k != axis)
         for i, j in product(range(divisions[a]), range(divisions[b])):
             keys = [[end] * 3 for _ in range(4)]
             for key, (di, dj) in zip(keys, ((0, 0), (1, 0), (1, 1), (0, 1)), strict=True):
                 key[a], key[b] = i + di, j + dj
             squares.append([number.setdefault(tuple(key), len(number)) for key in keys])
-            owner.append(face)
     step = np.array(list(number))
     xi = np.stack([lines[k][step[:, k]] for k in range(3)], axis=1)
     square, inside = np.array(squares), point_map(np.array([[0.0, 0.5, 0.0]]))[0]
@@ -147,7 +143,7 @@ def mesh_refinement_box_faces(point_map: Callable[[Array], Array], divisions: tu
         if best[0] >= RIDGE:
             break
     turned = np.where((best[1] > 0.0)[:, None], square, np.roll(square, 1, axis=1))
-    return _add_midside_nodes(xi, turned[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3), np.repeat(owner, 2)), best[2]
+    return _add_midside_nodes(xi, turned[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)), best[2]
 
 
 def mesh_refinement_box_of_flank(
@@ -179,8 +175,7 @@ def mesh_refinement_box_of_flank(
         return mesh_refinement_box_faces(point_map_of_flank(side), divisions)
     left, raised = mesh_refinement_box_faces(point_map_of_flank(side - 1), divisions)
     turned = left.triangles[:, [0, 2, 1, 5, 4, 3]]
-    face = np.where(left.face_of_triangle >= 3, 7 - left.face_of_triangle, left.face_of_triangle)
-    return RefinementBoxFaces(left.xi * AZIMUTH_TURNED, turned, face, left.midside_node_of_edge), raised * AZIMUTH_TURNED
+    return RefinementBoxFaces(left.xi * AZIMUTH_TURNED, turned, left.midside_node_of_edge), raised * AZIMUTH_TURNED
 
 
 def bulge_refinement_box_faces(local_coordinates: Array, bulge_ratio: float) -> Array:
@@ -219,11 +214,10 @@ def _heights_of_diagonals(points: Array, square: Index, inside: Array) -> Array:
     return np.asarray(np.einsum("sx,sx->s", 0.5 * (a + c - b - d), out) / area**1.5)
 
 
-def _add_midside_nodes(xi: Array, corners: Index, owner: Index) -> RefinementBoxFaces:
+def _add_midside_nodes(xi: Array, corners: Index) -> RefinementBoxFaces:
     """Add midside nodes to the linear triangles on the faces of a refinement box, and return the second-order mesh.
 
-    ``xi``: local coordinates of the corner nodes ``(c, 3)``; ``corners``: corner nodes of the triangles ``(t, 3)``;
-    ``owner``: face 0 to 4 on which each triangle lies ``(t,)``.
+    ``xi``: local coordinates of the corner nodes ``(c, 3)``; ``corners``: corner nodes of the triangles ``(t, 3)``.
     """
     edges: dict[tuple[int, int], int] = {}
     rows = []
@@ -231,7 +225,7 @@ def _add_midside_nodes(xi: Array, corners: Index, owner: Index) -> RefinementBox
         pairs = [(min(pair), max(pair)) for pair in ((a, b), (b, c), (c, a))]
         rows.append([a, b, c, *(edges.setdefault(pair, len(xi) + len(edges)) for pair in pairs)])
     middle = np.array([0.5 * (xi[i] + xi[j]) for i, j in edges])
-    return RefinementBoxFaces(np.concatenate([xi, middle]), np.array(rows, dtype=np.int64), owner, edges)
+    return RefinementBoxFaces(np.concatenate([xi, middle]), np.array(rows, dtype=np.int64), edges)
 
 
 def rim_nodes_of_refinement_box(box_faces: RefinementBoxFaces) -> Index:
@@ -759,58 +753,3 @@ def _allowed_half_width(
             if width < gamma:
                 gamma, why = width, f"{reason}; {remedy}"
     return gamma, why
-
-
-def check_refinement_boxes_fit(
-    m: GrooveMap,
-    size: RefinementBoxSize,
-    ball_positions: tuple[ContactPosition, ...],
-    land_radius: float,
-    wall_radius: float,
-    end_positions: tuple[float, float],
-) -> None:
-    """Raise ValueError where refinement boxes of a screw or nut overlap each other, or extend beyond the part's surfaces.
-
-    Parameters
-    ----------
-    m : GrooveMap
-        Groove surfaces of the track.
-    size : RefinementBoxSize
-        Size of the refinement boxes.
-    ball_positions : tuple[ContactPosition, ...]
-        For each refinement box, azimuth [rad] and axial position [m] of its ball, and its flank: 0 and 1 are left and right
-        on the screw, 2 and 3 on the nut.
-    land_radius, wall_radius : float
-        Radius of the lands; radius of the surface behind the groove: the screw's bore or the nut's outer surface [m].
-    end_positions : tuple[float, float]
-        Axial positions of the part's flat ends [m].
-    """
-    remedy = "make the refinement boxes smaller (the module rollbench.meshes.sockets computes a size that fits)"
-    sides = tuple(sorted({s for _, _, s in ball_positions}))
-    for phi, z, _ in ball_positions:
-        off = min(turns_and_distance_to_groove(m, phi, z, line)[1] for line in helix_constants_of_starts(m))
-        if off > ON_GROOVE * m.ball:
-            raise ValueError(
-                f"the refinement box of the ball at azimuth {np.degrees(phi):.4g} deg, z = {1e3 * z:.4g} mm does not lie "
-                "on a groove: place the balls with rollbench.meshes.helix.ball_layout"
-            )
-    for side in sides:
-        apex, edge = section_angles_of_flank(m, side, land_radius)
-        if not (apex < m.beta - size.gamma and m.beta + size.gamma < edge):
-            raise ValueError(
-                f"a refinement box on flank {SIDES[side]}, at section angles {m.beta - size.gamma:.3g} to "
-                f"{m.beta + size.gamma:.3g} rad, extends beyond the flank, which lies at section angles {apex:.3g} to "
-                f"{edge:.3g} rad: {remedy}"
-            )
-        if wall_thickness_under_refinement_box(m, size, side, wall_radius) <= 0.0:
-            raise ValueError(f"a refinement box on flank {SIDES[side]} reaches through the wall of the part: {remedy}")
-        places = np.array([(a, z) for a, z, s in ball_positions if s == side])
-        gaps, pairs = azimuth_gaps_between_balls(m, places[:, 0], places[:, 1])
-        if gaps.size and gaps.min() <= 2.0 * size.phi:
-            first, second = pairs[gaps.round(9).argmin()] + 1
-            raise ValueError(f"the refinement boxes of balls {first} and {second} overlap along the track: {remedy}")
-        below, above = axial_reach_of_refinement_boxes(m, size, (side,))
-        if places[:, 1].min() - below <= end_positions[0] or places[:, 1].max() + above >= end_positions[1]:
-            raise ValueError(f"a refinement box on flank {SIDES[side]} reaches a flat end of the part: {remedy}")
-    if sides and distance_to_next_turn(m, size, sides) <= 0.0:
-        raise ValueError(f"a refinement box reaches the next turn of the groove: {remedy}")

@@ -9,13 +9,14 @@ are triangulated differently. Lengths are in metres; only gmsh gets millimetres.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.shell import MM, gmsh_session
-from rollbench.meshes.sockets import RefinementBoxFaces
+from rollbench.meshes.shell import MM, gmsh_session, number_elements
+from rollbench.meshes.sockets import RefinementBoxFaces, rim_nodes_of_refinement_box
 
 #: Ratio of the edge length of gmsh's Delaunay tetrahedra to the requested one, by the cube root of mean volumes.
 LARGER = 1.22
@@ -26,8 +27,6 @@ OPTIONS = {
     "Mesh.MeshSizeFromPoints": 0,
     "Mesh.MeshSizeFromCurvature": 0,
 }
-#: Message for a refinement box whose faces do not bound a box that is open at the top.
-NOT_OPEN_AT_TOP = "the faces of a refinement box must be closed except for one open rim at the top of the box; they are not"
 
 #: The four first-order triangles on the nodes of a second-order triangle: three at its corners, one in its middle.
 SUB_TRIANGLES = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
@@ -98,18 +97,16 @@ def patch_as_in_thesis(
     return TetrahedralPatchSizes(width, depth, zone, (across, along, min(across, along)), contact_size, edge_size)
 
 
-def mesh_patch_with_tetrahedra(
-    sizes: TetrahedralPatchSizes, box_faces: RefinementBoxFaces | None = None
-) -> TetrahedralPatchMesh:
+def mesh_patch_with_tetrahedra(sizes: TetrahedralPatchSizes, box_faces: RefinementBoxFaces) -> TetrahedralPatchMesh:
     """Mesh a contact patch, the box of fine cells around a contact, with first-order tetrahedra by gmsh.
 
     Parameters
     ----------
     sizes : TetrahedralPatchSizes
         Dimensions of the patch, and sizes of its cells.
-    box_faces : RefinementBoxFaces, optional, default None
+    box_faces : RefinementBoxFaces
         Face mesh of the refinement box in the coarse body that the patch fills. Its triangles, each split into four
-        first-order ones, bound the patch, so that the patch conforms to a first-order coarse body. None: five plane faces.
+        first-order ones, bound the patch, so that the patch conforms to a first-order coarse body.
 
     Returns
     -------
@@ -119,7 +116,7 @@ def mesh_patch_with_tetrahedra(
     Raises
     ------
     ValueError
-        The contact zone does not fit into the patch, or the faces of ``box_faces`` do not have one open rim.
+        The contact zone does not fit into the patch.
     """
     if not (0.0 < max(sizes.contact_zone_fractions) < 1.0 and min(sizes.contact_zone_fractions) > 0.0):
         raise ValueError(
@@ -154,55 +151,16 @@ def _set_element_sizes(gmsh: Any, box: TetrahedralPatchSizes) -> None:
     field.setAsBackgroundMesh(finest)
 
 
-def _polygons_of_patch_faces(box_faces: RefinementBoxFaces | None) -> tuple[Array, list[list[int]]]:
-    """Return the polygons that form the faces between a contact patch, a box of fine cells, and the coarse body around it.
-
-    Returns the local coordinates of the corners ``(c, 3)``, and for each polygon the list of the indices of its corners.
-    ``box_faces``: face mesh of the refinement box that the patch fills; None: five plane faces.
-    """
-    if box_faces is None:
-        corners = np.array([[a, d, b] for a in (-1.0, 1.0) for d in (0.0, 1.0) for b in (-1.0, 1.0)])
-        return corners, [[0, 1, 3, 2], [4, 5, 7, 6], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]]
-    triangles = [[int(tri[k]) for k in sub] for tri in box_faces.triangles for sub in SUB_TRIANGLES]
-    return box_faces.xi, triangles
-
-
-def _corners_around_rim(corners: Array, polygons: list[list[int]]) -> list[int]:
-    """Return in order the corners around the open top of the faces that bound a contact patch, a box of fine cells.
-
-    Raises ValueError unless the faces have exactly one open rim, at depth 0. ``corners``: local coordinates of the corners
-    ``(c, 3)``; ``polygons``: indices of the corners of each face.
-    """
-    sides: dict[tuple[int, int], int] = {}
-    for p in polygons:
-        for i, j in zip(p, [*p[1:], p[0]], strict=True):
-            sides[min(i, j), max(i, j)] = sides.get((min(i, j), max(i, j)), 0) + 1
-    near: dict[int, list[int]] = {}
-    for (i, j), count in sides.items():
-        if count == 1:
-            near.setdefault(i, []).append(j)
-            near.setdefault(j, []).append(i)
-    if not near or any(len(ends) != 2 or abs(corners[i, 1]) > 1e-9 for i, ends in near.items()):
-        raise ValueError(NOT_OPEN_AT_TOP)
-    loop = [min(near)]
-    loop.append(near[loop[0]][0])
-    while (following := next(i for i in near[loop[-1]] if i != loop[-2])) != loop[0]:
-        loop.append(following)
-    if len(loop) != len(near):
-        raise ValueError(NOT_OPEN_AT_TOP)
-    return loop
-
-
-def _add_patch_volume(gmsh: Any, box: TetrahedralPatchSizes, box_faces: RefinementBoxFaces | None) -> tuple[int, int]:
+def _add_patch_volume(gmsh: Any, box: TetrahedralPatchSizes, box_faces: RefinementBoxFaces) -> tuple[int, int]:
     """Add a contact patch, a box of fine cells around a contact, to gmsh's model, as a volume bounded by plane faces.
 
-    ``box``: dimensions of the patch; ``box_faces``: face mesh of the refinement box that it fills, None for five plane
-    faces. Returns the numbers of two surfaces at depth 0 in gmsh's model: the contact zone, and the ring around it.
+    ``box``: dimensions of the patch; ``box_faces``: face mesh of the refinement box that it fills. Returns the numbers of
+    two surfaces at depth 0 in gmsh's model: the contact zone, and the ring around it.
     """
     geo = gmsh.model.geo
-    corners, polygons = _polygons_of_patch_faces(box_faces)
+    corners, triangles = box_faces.xi, box_faces.triangles[:, np.array(SUB_TRIANGLES)].reshape(-1, 3).tolist()
     scale = MM * np.array([box.half_widths[0], box.depth, box.half_widths[1]])
-    points = {i: geo.addPoint(*(scale * corners[i])) for i in sorted({i for p in polygons for i in p})}
+    points = {i: geo.addPoint(*(scale * corners[i])) for i in np.unique(box_faces.triangles).tolist()}
     lines: dict[tuple[int, int], int] = {}
 
     def add_line(i: int, j: int) -> int:
@@ -213,15 +171,18 @@ def _add_patch_volume(gmsh: Any, box: TetrahedralPatchSizes, box_faces: Refineme
             lines[i, j] = geo.addLine(points[i], points[j])
         return lines[i, j]
 
-    def add_loop_around_polygon(p: list[int]) -> int:
-        return int(geo.addCurveLoop([add_line(i, j) for i, j in zip(p, [*p[1:], p[0]], strict=True)]))
+    def add_plane_face(outline: list[int], *holes: int) -> int:
+        """Return the number of the plane face with a closed outline through corners; ``holes``: loops of its holes."""
+        loop = geo.addCurveLoop([add_line(i, j) for i, j in pairwise([*outline, outline[0]])])
+        return int(geo.addPlaneSurface([loop, *holes]))
 
     a, b = scale[0] * box.contact_zone_fractions[0], scale[2] * box.contact_zone_fractions[1]
     square = [geo.addPoint(x, 0.0, z) for x, z in ((-a, -b), (a, -b), (a, b), (-a, b))]
     zone = geo.addCurveLoop([geo.addLine(square[k], square[(k + 1) % 4]) for k in range(4)])
-    rim = _corners_around_rim(corners, polygons)
-    inner, ring = geo.addPlaneSurface([zone]), geo.addPlaneSurface([add_loop_around_polygon(rim), zone])
-    shell = [inner, ring, *(geo.addPlaneSurface([add_loop_around_polygon(p)]) for p in polygons)]
+    rim, middles = rim_nodes_of_refinement_box(box_faces).tolist(), box_faces.midside_node_of_edge
+    rim = [node for a, b in pairwise([*rim, rim[0]]) for node in (a, middles[min(a, b), max(a, b)])]
+    inner, ring = geo.addPlaneSurface([zone]), add_plane_face(rim, zone)
+    shell = [inner, ring, *map(add_plane_face, triangles)]
     geo.addVolume([geo.addSurfaceLoop(shell)])
     geo.synchronize()
     return inner, ring
@@ -234,19 +195,12 @@ def _read_patch_mesh(gmsh: Any, box: TetrahedralPatchSizes, inner: int, ring: in
     model's surfaces for the contact zone and for the ring around it.
     """
     tags, xyz, _ = gmsh.model.mesh.getNodes()
-    index = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
-    index[tags.astype(np.int64)] = np.arange(tags.size)
     xi = xyz.reshape(-1, 3) / (MM * np.array([box.half_widths[0], box.depth, box.half_widths[1]]))
-
-    def nodes_of_elements(kind: int, dimension: int, entity: int = -1) -> Index:
-        nodes = gmsh.model.mesh.getElementsByType(kind, entity)[1]
-        return np.asarray(index[nodes.astype(np.int64)].reshape(-1, dimension + 1), dtype=np.int64)
-
-    tets, zone = nodes_of_elements(4, 3), nodes_of_elements(2, 2, inner)
+    tets, (zone, around) = number_elements(gmsh, 4, tags, 4), (number_elements(gmsh, 2, tags, 3, x) for x in (inner, ring))
     contact = np.unique(zone)
     place = np.round(xi[contact], 9)
     contact = contact[np.lexsort((place[:, 2], place[:, 0]))]
-    return TetrahedralPatchMesh(xi, tets, np.concatenate([zone, nodes_of_elements(2, 2, ring)]), contact)
+    return TetrahedralPatchMesh(xi, tets, np.concatenate([zone, around]), contact)
 
 
 def signed_volumes(points: Array, tetrahedra: Index) -> Array:

@@ -49,7 +49,9 @@ def holed_cube():
     triangles = triangles.reshape(-1, 6)
     assert len(triangles) == 5 * 8
     mesh, number = build_mesh(points, cells, "P2", {"floor": floor})
-    return mesh, number[nodes], RefinementBoxFaces(xi[nodes], triangles, np.zeros(len(triangles), dtype=np.int64), {})
+    corners, middles = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), triangles[:, 3:].ravel().tolist()
+    midside = dict(zip(map(tuple, np.sort(corners, axis=1).tolist()), middles, strict=True))
+    return mesh, number[nodes], RefinementBoxFaces(xi[nodes], triangles, midside)
 
 
 def socket(*, turned=False):
@@ -74,9 +76,7 @@ def places(side):
 
 @cache
 def tets(fine, way="straight"):
-    return mesh_patch_with_tetrahedra(
-        patch_as_in_thesis(WIDTH, SIZE.depth, ZONE, fine), None if way == "none" else socket(turned=way == "turned")
-    )
+    return mesh_patch_with_tetrahedra(patch_as_in_thesis(WIDTH, SIZE.depth, ZONE, fine), socket(turned=way == "turned"))
 
 
 def patch(kind, where="groove", side=0, fine=0.16e-3):

@@ -58,8 +58,6 @@ class PatchMesh(fem.MeshedBody):
     Its named boundaries are "surface", "contact" (the contact zone on the surface) and "interface" (to the body).
     """
 
-    #: Mesh of hexahedra or tetrahedra, with its named boundaries.
-    mesh: Mesh
     #: Local coordinates of the nodes: across the groove, in depth, along the groove ``(n, 3)``.
     local_coordinates: Array
     #: Indices of the nodes of the contact zone ``(c,)``.

@@ -20,8 +20,6 @@ FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))
 HEX_FACES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))
 #: Number, in gmsh's ten-node tetrahedron, of each node of Abaqus' element C3D10.
 C3D10 = (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)
-#: Largest number of characters in a name of a set or surface of an input deck.
-LONGEST_NAME = 80
 #: Number of coordinate axes.
 AXES = 3
 #: CalculiX's limits I_0, I_R, I_P and I_C on the number of iterations in one increment, in place of its defaults 4, 8, 9,
@@ -155,17 +153,6 @@ def comma_separated_lines(entries: Iterable[int | str]) -> Iterator[str]:
         yield ", ".join(words[k : k + 16]) + ("," if k + 16 < len(words) else "")
 
 
-def check_deck_names(names: Sequence[str]) -> None:
-    """Raise ValueError for a set's name that an input deck does not allow, or that two sets have (letter case ignored)."""
-    seen = set[str]()
-    for name in names:
-        if not name or len(name) > LONGEST_NAME or not name.isascii() or any(c in " ,=*" for c in name):
-            raise ValueError(f"set {name!r}: a name in a deck has 1 to {LONGEST_NAME} letters, digits or underscores")
-        if name.upper() in seen:
-            raise ValueError(f"set {name!r} occurs twice: names in an input deck do not distinguish upper and lower case")
-        seen.add(name.upper())
-
-
 def cells_and_numbers_of_faces(cells: Index, corners: Index) -> Index:
     """Return, for each face of a mesh, the cell to which it belongs and the face's number in that cell.
 
@@ -230,11 +217,6 @@ def deck_text(deck: InputDeck, unit: str = "mm") -> str:
     -------
     str
         ASCII text of the input file.
-
-    Raises
-    ------
-    ValueError
-        A name is not allowed in a deck, or occurs twice.
     """
     text = "\n".join(_deck_lines(deck, UNITS[unit])) + "\n"
     return text.encode("ascii", "replace").decode("ascii")
@@ -242,9 +224,6 @@ def deck_text(deck: InputDeck, unit: str = "mm") -> str:
 
 def _deck_lines(deck: InputDeck, units: DeckUnits) -> Iterator[str]:
     """Yield all lines of an input deck."""
-    names = [n for b in deck.bodies for n in (f"{b.name}_ALL", *b.node_sets, *b.face_sets)]
-    ends = [f"{s.name}_{what}" for s in deck.rigid_sections for what in ("MOVE", "TURN")]
-    check_deck_names([*(b.name for b in deck.bodies), *names, *ends])
     yield "*HEADING"
     yield deck.title[:80]
     yield from (f"** {line}" for line in (*deck.comment_lines, f"Units: {units.names}"))

@@ -11,6 +11,7 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from itertools import pairwise
 from math import asin, pi
 from pathlib import Path
@@ -18,15 +19,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw_geometry_with_errors
-from rollbench.meshes.helix import ball_layout, ball_layout_at_positions, lead_per_radian
-from rollbench.meshes.parts import SIDE_SIGNS, SIDES, Scene
+from rollbench.meshes.groove import points_from_cylindrical
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.shell import gmsh_session
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
 #: Number of arcs through which a flank is lofted, for each turn of the helix.
 SECTIONS = 48
+#: Number of points along each of a surface's two parameters at which its distance from the exact flank is measured.
+SAMPLES = 120
 #: Millimetres per metre.
 MM = 1e3
 
@@ -147,8 +151,8 @@ def _add_grooved_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, scr
 
     ``ends``: axial positions of its two faces [m]; ``screw``: whether to add the inner (True) or outer ring (False).
     """
-    occ, (land, wall), sides = gmsh.model.occ, _land_and_back_radii(scene, screw=screw), _flanks_of_body(screw)
-    R, z = scene.track.pitch_radius, scene.nut.position
+    occ, (land, wall), m = gmsh.model.occ, _land_and_back_radii(scene, screw=screw), groove_map_with_errors(scene)
+    sides = (0, 1) if screw else (2, 3)
 
     def add_point_in_section(radius: float, z: float) -> int:
         """Add a point in the plane y = 0 at a radius and an axial position [m], and return its number in gmsh."""
@@ -156,13 +160,12 @@ def _add_grooved_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, scr
 
     flanks = []
     for side in sides:
-        angles = np.array([apex_section_angle(scene, side), land_section_angle(scene, side, land)])
-        flanks.append(_flank_section_coordinates(scene, side, angles) + np.array([R, z]))
+        radial, across = m.polar_to_section(side, np.array(section_angles_of_edges(m, side, land)), m.radius[side])
+        flanks.append(np.column_stack([m.R + radial, m.z0 + across]))
     (apex, left), (_, right) = flanks
     outline = ((wall, ends[0]), (land, ends[0]), left, apex, right, (land, ends[1]), (wall, ends[1]))
     corners = [add_point_in_section(*point) for point in outline]
-    centres = draw_geometry_with_errors(scene, ball_layout(scene)).groove_centres[0, list(sides)]
-    middles = [add_point_in_section(R + x, z + y) for x, y in centres]
+    middles = [add_point_in_section(m.R + x, m.z0 + y) for x, y in m.centre[list(sides)]]
     lines = [occ.addLine(corners[0], corners[1]), occ.addLine(corners[1], corners[2])]
     lines += [occ.addCircleArc(a, middle, b) for (a, b), middle in zip(pairwise(corners[2:5]), middles, strict=True)]
     lines += [occ.addLine(a, b) for a, b in pairwise([*corners[4:], corners[0]])]
@@ -170,35 +173,22 @@ def _add_grooved_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, scr
     occ.revolve([(2, section)], 0, 0, 0, 0, 0, 1, 2.0 * pi)
 
 
-def _flanks_of_body(screw: bool) -> tuple[int, int]:
-    """Return the numbers of the left and right flank: 0 and 1 on the screw (``screw`` True), 2 and 3 on the nut."""
-    return (0, 1) if screw else (2, 3)
+def groove_map_with_errors(scene: Scene, shift: float = 0.0) -> GrooveMap:
+    """Return the groove surfaces of a scene with the errors at its first ball.
 
-
-def _flank_section_coordinates(scene: Scene, side: int, gamma: Array) -> Array:
-    """Return the coordinates x3 (radial) and z3 (across the track) of points on a flank ``(k, 2)`` [m].
-
-    ``side``: flank 0 to 3; ``gamma``: angles of the points around the arc of the flank, from the radial direction ``(k,)``
-    [rad].
+    ``shift``: displacement of the nut or outer ring along z [m].
     """
-    drawn = draw_geometry_with_errors(scene, ball_layout(scene))
-    (sx, sz), c = SIDE_SIGNS[side], drawn.groove_centres[0, side]
-    return np.asarray(c + drawn.groove_radii[side] * np.column_stack([sx * np.cos(gamma), sz * np.sin(gamma)]))
+    drawn, nominal = draw_geometry_with_errors(scene, ball_layout(scene)), GrooveMap.from_scene(scene)
+    return replace(nominal, centre=drawn.groove_centres[0], radius=drawn.groove_radii, z0=nominal.z0 + shift)
 
 
-def apex_section_angle(scene: Scene, side: int) -> float:
-    """Return the section angle [rad] at which the flank ``side`` (0 to 3) meets the other flank of its groove (apex)."""
-    drawn = draw_geometry_with_errors(scene, ball_layout(scene))
-    return asin(-float(drawn.groove_centres[0, side, 1]) * SIDE_SIGNS[side][1] / float(drawn.groove_radii[side]))
-
-
-def land_section_angle(scene: Scene, side: int, land: float) -> float:
-    """Compute the section angle (angle around the arc of a flank, from the radial direction) at which it meets the land.
+def section_angles_of_edges(m: GrooveMap, side: int, land: float) -> tuple[float, float]:
+    """Return the section angles at which a flank meets the other flank of its groove (apex), and the land.
 
     Parameters
     ----------
-    scene : Scene
-        Scene with the screw or bearing.
+    m : GrooveMap
+        Groove surfaces of the track.
     side : int
         Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
     land : float
@@ -206,28 +196,17 @@ def land_section_angle(scene: Scene, side: int, land: float) -> float:
 
     Returns
     -------
-    float
-        Section angle [rad].
+    apex, edge : float
+        Angles around the arc of the flank, from the radial direction [rad].
     """
-    sign = SIDE_SIGNS[side][0]
-    low, high = apex_section_angle(scene, side), pi / 2.0
+    sx, sz = m.signs[side]
+    apex = asin(-float(m.centre[side, 1]) * sz / float(m.radius[side]))
+    low, high = apex, pi / 2.0
     for _ in range(60):
         middle = 0.5 * (low + high)
-        point = _flank_points_at_azimuth(scene, side, np.array([middle]), 0.0, 0.0)[0]
-        low, high = (middle, high) if sign * (np.hypot(point[0], point[1]) - land) > 0.0 else (low, middle)
-    return low
-
-
-def _flank_points_at_azimuth(scene: Scene, side: int, gamma: Array, azimuth: float, shift: float) -> Array:
-    """Return points of a flank in the groove section at an azimuth [rad], in space ``(k, 3)`` [m].
-
-    ``side``: flank 0 to 3; ``gamma``: angles of the points around the arc of the flank, from the radial direction ``(k,)``
-    [rad]; ``shift``: displacement of the nut along z [m].
-    """
-    z = scene.nut.position + shift + lead_per_radian(scene.track) * (azimuth - scene.track.phase)
-    at = ball_layout_at_positions(scene.track, np.array([azimuth]), np.array([z]))
-    x3, z3 = _flank_section_coordinates(scene, side, gamma).T
-    return np.asarray(at.centre + x3[:, None] * at.radial + z3[:, None] * at.binormal)
+        inside = sx * (float(m.flank_to_unrolled(side, np.array(middle))[0]) - land) > 0.0
+        low, high = (middle, high) if inside else (low, middle)
+    return apex, low
 
 
 def _add_helical_flank(gmsh: Any, scene: Scene, side: int, ends: tuple[float, float], shift: float) -> float:
@@ -236,80 +215,40 @@ def _add_helical_flank(gmsh: Any, scene: Scene, side: int, ends: tuple[float, fl
     ``side``: flank 0 to 3; ``ends``: axial positions between which it extends [m]; ``shift``: displacement of the nut along
     z [m]. Returns the largest distance [m] between the loft and the exact flank.
     """
-    occ, lead = gmsh.model.occ, lead_per_radian(scene.track)
-    land = _land_and_back_radii(scene, screw=side < 2)[0]
-    gamma = np.linspace(apex_section_angle(scene, side), land_section_angle(scene, side, land), 3)
-    first, last = sorted(scene.track.phase + (z - scene.nut.position - shift) / lead for z in ends)
+    occ, m = gmsh.model.occ, groove_map_with_errors(scene, shift)
+    gamma = np.linspace(*section_angles_of_edges(m, side, _land_and_back_radii(scene, screw=side < 2)[0]), 3)
+    r, zeta, turn = m.flank_to_unrolled(side, gamma)
+    first, last = sorted(m.phase + (z - m.z0) / m.rg for z in ends)
     wires = []
     for azimuth in np.linspace(first, last, 1 + int(np.ceil((last - first) / (2.0 * pi) * SECTIONS))):
-        points = [occ.addPoint(*(MM * p)) for p in _flank_points_at_azimuth(scene, side, gamma, float(azimuth), shift)]
-        wires.append(occ.addWire([occ.addCircleArc(*points, center=False)]))
+        phi = azimuth + turn
+        arc = points_from_cylindrical(r, phi, m.z0 + zeta + m.rg * (phi - m.phase))
+        wires.append(occ.addWire([occ.addCircleArc(*(occ.addPoint(*(MM * p)) for p in arc), center=False)]))
     surfaces = [tag for dim, tag in occ.addThruSections(wires, makeSolid=False, maxDegree=3) if dim == 2]
     occ.synchronize()
-    return max(largest_distance_from_flank(gmsh, scene, side, tag, shift) for tag in surfaces)
+    return max(largest_distance_from_flank(gmsh, m, side, tag) for tag in surfaces)
 
 
-def largest_distance_from_flank(
-    gmsh: Any, scene: Scene, side: int, tag: int, shift: float, samples_along: int = 120
-) -> float:
+def largest_distance_from_flank(gmsh: Any, m: GrooveMap, side: int, tag: int) -> float:
     """Return the largest distance between a surface in gmsh's model and the exact surface of a groove flank.
 
     Parameters
     ----------
     gmsh : Any
         The module gmsh, with the model.
-    scene : Scene
-        Scene with the screw or bearing.
+    m : GrooveMap
+        Groove surfaces of the track.
     side : int
         Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
     tag : int
         Number of the surface in the model.
-    shift : float
-        Displacement of the nut along z [m].
-    samples_along : int, default 120
-        Number of sample points along each of the surface's two parameters.
 
     Returns
     -------
     float
-        Largest distance [m].
+        Largest distance [m], at `SAMPLES` points along each of the surface's two parameters.
     """
     (u0, v0), (u1, v1) = gmsh.model.getParametrizationBounds(2, tag)
-    u, v = np.meshgrid(np.linspace(u0, u1, samples_along), np.linspace(v0, v1, samples_along))
+    u, v = np.meshgrid(np.linspace(u0, u1, SAMPLES), np.linspace(v0, v1, SAMPLES))
     p = np.reshape(gmsh.model.getValue(2, tag, np.column_stack([u.ravel(), v.ravel()]).ravel()), (-1, 3)) / MM
-    return float(np.abs(distances_from_flank(scene, side, p, shift)).max())
-
-
-def distances_from_flank(scene: Scene, side: int, points: Array, shift: float) -> Array:
-    """Return the distances of points from the exact surface of a groove flank, each in the section normal to the helix.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene with the screw or bearing.
-    side : int
-        Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
-    points : (k, 3) Array
-        Points [m].
-    shift : float
-        Displacement of the nut along z [m].
-
-    Returns
-    -------
-    (k,) Array
-        Signed distances [m], positive where the distance of a point from the groove's centre exceeds the groove radius.
-    """
-    track, lead = scene.track, lead_per_radian(scene.track)
-    z0 = scene.nut.position + shift
-    turn = np.arctan2(points[:, 1], points[:, 0])
-    rough = track.phase + (points[:, 2] - z0) / lead
-    azimuth = turn + 2.0 * pi * np.round((rough - turn) / (2.0 * pi))
-    for _ in range(20):
-        at = ball_layout_at_positions(track, azimuth, z0 + lead * (azimuth - track.phase))
-        away = points - at.centre
-        azimuth = azimuth + np.einsum("ij,ij->i", away, at.tangent) / np.hypot(track.pitch_radius, lead)
-    drawn = draw_geometry_with_errors(scene, ball_layout(scene))
-    x3, z3 = (np.einsum("ij,ij->i", away, axis) for axis in (at.radial, at.binormal))
-    return np.asarray(
-        np.hypot(x3 - drawn.groove_centres[0, side, 0], z3 - drawn.groove_centres[0, side, 1]) - drawn.groove_radii[side]
-    )
+    return float(np.abs(m.distances_from_flank(side, p)).max())

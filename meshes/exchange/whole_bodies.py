@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
-from skfem import Mesh
 
 from rollbench.meshes import groove, shell
 from rollbench.meshes.arrays import Array, Index
@@ -28,6 +27,8 @@ from rollbench.meshes.sockets import ContactPosition, RefinementBoxSize, points_
 
 #: Azimuths [rad] of the two plane cut surfaces of half a bearing ring.
 CUT = (0.0, np.pi)
+#: Edges of the cross-section of a ring that are flanks of its groove.
+FLANKS = (3, 4)
 
 
 def use_requested_element_sizes(surface: shell.ClosedSurfaceMesh) -> None:
@@ -94,8 +95,9 @@ class HalfRingSurface:
             for k in range(7)
         ]
         self.corners, self.line = corners, line
-        ends = zip(CUT, nodes, strict=True)
-        self.cuts = [[self._divide_section_edge(k, phi, corners) for k in range(7)] for phi, corners in ends]
+        self.cuts = [
+            [self._divide_section_edge(k, phi, ends) for k in range(7)] for phi, ends in zip(CUT, nodes, strict=True)
+        ]
         self._triangulate_faces()
 
     def _divide_section_edge(self, k: int, phi: float, nodes: NDArray[np.int64]) -> shell.DividedCurve:
@@ -103,20 +105,18 @@ class HalfRingSurface:
 
         ``k``: number of the edge, 0 to 6; ``nodes``: numbers of the nodes at the seven corners of this cross-section.
         """
-        limit, span = (self.behind_limit if k == 0 else self.land_limit), (0.0, 1.0)
-        if k in (3, 4):
-            limit, span = self.flank_limit, self._section_angle_range(k)
+        limit = self.flank_limit if k in FLANKS else self.behind_limit if k == 0 else self.land_limit
         ends = int(nodes[k]), int(nodes[(k + 1) % 7])
-        return self.surface.add_curve(lambda t: self._points_on_edge(k, t, phi), *span, limit, ends)
+        return self.surface.add_curve(lambda t: self._points_on_edge(k, t, phi), *self._ends_of_edge(k), limit, ends)
 
-    def _section_angle_range(self, k: int) -> tuple[float, float]:
-        """Return the section angles [rad] at which edge ``k`` of the cross-section, a flank (3 or 4), begins and ends."""
-        g = self.section
-        return (g.edge_angle, g.apex_angle) if k == 3 else (g.apex_angle, g.edge_angle)
+    def _ends_of_edge(self, k: int) -> tuple[float, float]:
+        """Return the parameter of edge ``k`` at its two corners: the section angle of a flank [rad], else 0 and 1."""
+        angles = self.section.edge_angle, self.section.apex_angle
+        return (angles if k == FLANKS[0] else angles[::-1]) if k in FLANKS else (0.0, 1.0)
 
     def _flank_of_edge(self, k: int) -> int:
         """Return the number of the flank (0 to 3) that edge ``k`` (3 or 4) of the cross-section belongs to."""
-        return self.section.sides[1 if k == 3 else 0]
+        return self.section.sides[1 if k == FLANKS[0] else 0]
 
     def _edge_coordinates(self, k: int, t: Array) -> Array:
         """Return radius and z ``(n, 2)`` [m] of points along edge k of the cross-section.
@@ -124,7 +124,7 @@ class HalfRingSurface:
         ``t``: for the two flanks (edges 3 and 4), the section angles of the points [rad]; for a straight edge, their
         positions as fractions of its length ``(n,)``.
         """
-        if k in (3, 4):
+        if k in FLANKS:
             r, zeta = self.section.profile_points(self._flank_of_edge(k), t)
             return np.stack([r, self.line + zeta], axis=1)
         return np.asarray(self.corners[k] + t[:, None] * (self.corners[(k + 1) % 7] - self.corners[k]))
@@ -134,87 +134,66 @@ class HalfRingSurface:
         r, z = self._edge_coordinates(k, t).T
         return groove.points_from_cylindrical(r, phi, z)
 
-    def _sides_of_swept_face(self, k: int, begin: float, end: float) -> list[shell.Side]:
-        """Return the four boundary segments of the face that edge k of the cross-section generates about the axis.
-
-        Plane coordinates of the face are the azimuth [rad] and a coordinate along the edge, which is ``begin`` at corner k
-        and ``end`` at the next corner.
-        """
-
-        def plane_coordinates_of_edge(t: Array, phi: float) -> Array:
-            place = begin + (end - begin) * t if k not in (3, 4) else t
-            return groove.line_along_second_axis(phi)(place)
-
-        first, last = (cut[k] for cut in self.cuts)
-        return [
-            self.arcs[k].side(groove.line_along_first_axis(begin)),
-            last.side(lambda t: plane_coordinates_of_edge(t, CUT[1])),
-            self.arcs[(k + 1) % 7].reversed_side(groove.line_along_first_axis(end)),
-            first.reversed_side(lambda t: plane_coordinates_of_edge(t, CUT[0])),
-        ]
-
     def _triangulate_faces(self) -> None:
         """Triangulate the curved faces, the two flat ends, and the two cut surfaces of the half ring."""
-        outer = self.spec.groove_outside
-        for k, name in ((0, "bore" if outer else "outside"), (2, "land"), (5, "land")):
-            r, begin, end = self.corners[k, 0], self.corners[k, 1], self.corners[(k + 1) % 7, 1]
+        for k, name in ((0, "bore" if self.spec.groove_outside else "outside"), (2, "land"), (5, "land")):
+            r = float(self.corners[k, 0])
             limit = self.behind_limit if k == 0 else self.land_limit
-            self._triangulate_swept_face(name, k, (begin, end), np.array([r, 1.0]), groove.cylinder_point_map(r), limit)
-        for k in (3, 4):
+
+            def arc_length_and_z(phi: Array, at: Array, r: float = r) -> Array:
+                return np.stack([r * phi, at[:, 1]], axis=1)
+
+            self._triangulate_swept_face(name, k, arc_length_and_z, groove.cylinder_point_map(r), limit)
+        for k in FLANKS:
             side = self._flank_of_edge(k)
             scale = np.array([self.corners[4, 0], float(self.section.groove_map.radius[side])])
-            self._triangulate_swept_face(
-                f"flank {SIDES[side]}",
-                k,
-                self._section_angle_range(k),
-                scale,
-                self._flank_point_map(k, scale),
-                self.flank_limit,
-            )
+
+            def arc_lengths(phi: Array, at: Array, scale: Array = scale) -> Array:
+                return np.stack([phi, at[:, 0]], axis=1) * scale
+
+            def points_on_flank(x: Array, k: int = k, scale: Array = scale) -> Array:
+                return self._points_on_edge(k, x[:, 1] / scale[1], x[:, 0] / scale[0])
+
+            self._triangulate_swept_face(f"flank {SIDES[side]}", k, arc_lengths, points_on_flank, self.flank_limit)
+
+        def x_and_y(phi: Array, at: Array) -> Array:
+            sine = np.sin(phi) * (np.ptp(phi) > 0.0)  # exactly 0 along the cut
+            return np.asarray(at[:, :1] * np.stack([np.cos(phi), sine], axis=1))
+
         for k, name in ((1, "high end"), (6, "low end")):
-            self._triangulate_end_face(name, k)
+            self._triangulate_swept_face(name, k, x_and_y, groove.point_map_at_z(float(self.corners[k, 1])), np.inf)
         for phi, cut in zip(CUT, self.cuts, strict=True):
             loop = [cut[k].side(partial(self._edge_coordinates, k)) for k in range(7)]
-            self.surface.add_face("cut", [loop], _axial_plane_point_map(phi), np.inf)
-
-    def _flank_point_map(self, k: int, scale: Array) -> shell.Placing:
-        """Return the function that maps plane coordinates of the flank of edge k to points ``(n, 3)`` [m].
-
-        The plane coordinates are (azimuth, section angle), multiplied by the lengths ``scale`` [m].
-        """
-        return lambda x: self._points_on_edge(k, x[:, 1] / scale[1], x[:, 0] / scale[0])
-
-    def _triangulate_end_face(self, name: str, k: int) -> None:
-        """Triangulate the flat end face that edge ``k`` (1 or 6) of the cross-section generates; ``name``: its boundary."""
-        first, last = (cut[k] for cut in self.cuts)
-
-        def cut_line_of_end_face(sign: float) -> shell.Placing:
-            return lambda t: np.stack([sign * self._edge_coordinates(k, t)[:, 0], np.zeros(t.size)], axis=1)
-
-        loop = [
-            self.arcs[k].side(groove.circle_in_plane(float(self.corners[k, 0]))),
-            last.side(cut_line_of_end_face(-1.0)),
-            self.arcs[(k + 1) % 7].reversed_side(groove.circle_in_plane(float(self.corners[(k + 1) % 7, 0]))),
-            first.reversed_side(cut_line_of_end_face(1.0)),
-        ]
-        self.surface.add_face(name, [loop], groove.point_map_at_z(float(self.corners[k, 1])), np.inf)
+            self.surface.add_face("cut", [loop], partial(_points_in_axial_plane, phi), np.inf)
 
     def _triangulate_swept_face(
-        self, name: str, k: int, ends: tuple[float, float], scale: Array, space: shell.Placing, limit: float
+        self, name: str, k: int, plane: Callable[[Array, Array], Array], space: shell.Placing, limit: float
     ) -> None:
-        """Triangulate the curved face that edge k of the cross-section generates about the axis.
+        """Triangulate the face that edge k of the cross-section generates about the axis.
 
-        ``name``: name of the boundary to which the face belongs; ``ends``: coordinate along the edge at its two corners;
-        ``scale``: factors that convert the plane coordinates (azimuth, coordinate along the edge) to lengths; ``space``:
-        function that maps these lengths ``(n, 2)`` to points ``(n, 3)`` [m]; ``limit``: length of the longest edge [m].
+        ``name``: name of the boundary to which the face belongs; ``plane``: function that returns the plane coordinates
+        ``(n, 2)`` of points, from their azimuths [rad] and their places on the edge: section angles ``(n, 1)`` [rad] on a
+        flank, else radii and z ``(n, 2)`` [m]; ``space``: function that maps plane coordinates to points ``(n, 3)`` [m];
+        ``limit``: length of the longest edge [m].
         """
-        loop = [(n, x * scale) for n, x in self._sides_of_swept_face(k, *ends)]
+        begin, end = np.array(self._ends_of_edge(k))[:, None] if k in FLANKS else self.corners[[k, (k + 1) % 7]]
+        first, last = (cut[k] for cut in self.cuts)
+
+        def on_cut(phi: float, t: Array) -> Array:
+            return plane(np.full(t.size, phi), t[:, None] if k in FLANKS else self._edge_coordinates(k, t))
+
+        loop = [
+            self.arcs[k].side(lambda phi: plane(phi, np.tile(begin, (phi.size, 1)))),
+            last.side(partial(on_cut, CUT[1])),
+            self.arcs[(k + 1) % 7].reversed_side(lambda phi: plane(phi, np.tile(end, (phi.size, 1)))),
+            first.reversed_side(partial(on_cut, CUT[0])),
+        ]
         self.surface.add_face(name, [loop], space, limit)
 
 
-def _axial_plane_point_map(phi: float) -> shell.Placing:
-    """Return the function that maps (radius, z) [m] to points in the axial plane at the azimuth ``phi`` [rad]."""
-    return lambda x: groove.points_from_cylindrical(x[:, 0], phi, x[:, 1])
+def _points_in_axial_plane(phi: float, x: Array) -> Array:
+    """Return the points in the axial plane at the azimuth ``phi`` [rad] with the coordinates (radius, z) ``x`` [m]."""
+    return groove.points_from_cylindrical(x[:, 0], phi, x[:, 1])
 
 
 def triangulate_half_sphere(radius: float, surface: shell.ClosedSurfaceMesh, edge_factor: float, sign: float) -> None:
@@ -266,9 +245,7 @@ class ElementSizesNearPoints:
 class ExportedBodyMesh(MeshedBody):
     """Mesh of a whole or half body for another FE program, with named boundaries."""
 
-    #: Mesh of second-order tetrahedra.
-    mesh: Mesh
-    #: Number of cells and nodes of the mesh, and smallest and median scaled Jacobian of its cells.
+    #: Number of cells and nodes of the mesh, and smallest scaled Jacobian of its cells.
     quality: MeshQuality
 
     @cached_property

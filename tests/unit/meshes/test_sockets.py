@@ -166,6 +166,3 @@ NO_ROOM = [
 def test_no_room_is_refused_with_cause_and_remedy(case, sides, change, match):
     with pytest.raises(ValueError, match=match):
         fitted(case, sides, **change)
-
-
-# --- sockets that do not fit -----------------------------------------------------------------------------------------

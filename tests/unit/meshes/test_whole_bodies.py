@@ -12,7 +12,7 @@ from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_for
 from rollbench.hifi.linear_algebra import factorise_positive_definite
 from rollbench.meshes.exchange import whole_bodies
 from rollbench.meshes.exchange.whole_bodies import ElementSizesNearPoints, mesh_whole_body
-from rollbench.meshes.fem import largest_arc_deviation, node_coordinates, nodes_on_boundaries
+from rollbench.meshes.fem import node_coordinates, nodes_on_boundaries
 from rollbench.meshes.groove import GroovedBodySpec, outer_surfaces_of_flanged_nut
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDES, Flange
@@ -46,8 +46,7 @@ def test_a_half_ring_is_half_of_the_ring(outer):
     assert half.points[:, 1].min() > -1e-15
     for side in (0, 1) if outer else (2, 3):
         x = half.points[half.nodes_of_boundaries[f"flank {SIDES[side]}"]]
-        section = np.hypot(x[:, 0], x[:, 1]) - MAP.R, x[:, 2] - MAP.z0
-        assert largest_arc_deviation(*section, MAP.centre[side], float(MAP.radius[side])) < 1e-9
+        assert np.abs(MAP.distances_from_flank(side, x)).max() < 1e-9
     behind, radius = ("bore", spec.inner_radius) if outer else ("outside", spec.outer_radius)
     np.testing.assert_allclose(np.hypot(*half.points[half.nodes_of_boundaries[behind]][:, :2].T), radius, rtol=1e-9)
     assert {"land", "low end", "high end"} <= set(half.nodes_of_boundaries)
