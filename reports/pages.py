@@ -177,14 +177,11 @@ def _link_targets(report: content.Report) -> dict[str, str]:
     for page in report.pages:
         for section in page.sections:
             found[section.name] = f"{page.name}.html#section-{section.name}"
-            named = (item for item in section.items if not isinstance(item, content.Text))
-            found |= {item.name: f"{page.name}.html#{_html_anchor_prefix(item)}-{item.name}" for item in named}
+            for item in section.items:
+                if not isinstance(item, content.Text):
+                    prefix = "table" if isinstance(item, content.Table) else "figure"
+                    found[item.name] = f"{page.name}.html#{prefix}-{item.name}"
     return found
-
-
-def _html_anchor_prefix(item: content.Item) -> str:
-    """Return the word with which the HTML anchor of a section's item begins: "table" for a table, otherwise "figure"."""
-    return "table" if isinstance(item, content.Table) else "figure"
 
 
 def _write_text(path: Path, text: str) -> None:

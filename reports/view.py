@@ -58,7 +58,8 @@ def viewer_elements_html(view: SceneView) -> str:
     """
     surfaces: dict[str, int] = {}
     cases = [_load_case_data(case, surfaces) for case in view.load_cases]
-    data = {"cases": cases, "surfaces": [json.loads(text) for text in surfaces], "flanks": SIDES, **_viewer_unit_vectors()}
+    data = {"cases": cases, "surfaces": [json.loads(text) for text in surfaces], "flanks": SIDES}
+    data |= {"sight": scene3d.direction_to_viewer().tolist(), "up": scene3d.viewer_and_upward_vectors()[1].tolist()}
     scripts = "".join(f"<script>{_viewer_file_text(name)}</script>" for name in ("three.min.js", "view.js"))
     style, page = _viewer_file_text("view.css"), _viewer_file_text("view.html")
     return f"<style>{style}</style>{page}{json_script_element('view-data', data)}{scripts}"
@@ -78,11 +79,6 @@ def json_script_element(name: str, data: Any) -> str:
 def _viewer_file_text(name: str) -> str:
     """Return the text of a file of the 3D viewer, from the folder ``viewer`` of this package."""
     return resources.files("rollbench.reports").joinpath("viewer", name).read_text(encoding="utf-8")
-
-
-def _viewer_unit_vectors() -> dict[str, list[float]]:
-    """Return the unit vectors towards the reader ("sight") and upwards on the screen ("up"), for the 3D viewer."""
-    return {"sight": scene3d.direction_to_viewer().tolist(), "up": scene3d.viewer_and_upward_vectors()[1].tolist()}
 
 
 def _load_case_data(case: LoadCaseView, surfaces: dict[str, int]) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from rollbench.compare.text.printing import CommandOutput, format_cell, print_co
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import ComputingSettings
-    from rollbench.compare.studies.sweep.run import SobolIndex, Sweep, SweepDefinition
+    from rollbench.compare.studies.sweep.run import Sweep, SweepDefinition
 
 
 @terminal.app.command
@@ -116,18 +116,15 @@ def _parameter_effects_table(found: Sweep) -> Any:
     for vary in found.design.keys:
         means = [g.mean for g in found.main_effects[vary.key]]
         cells = [f"{min(means):.5g}", f"{max(means):.5g}"] if means else ["–", "–"]
-        cells += ["–", "–"] if indices is None else _sobol_index_texts(indices[vary.key])
+        if indices is None:
+            cells += ["–", "–"]
+        else:
+            of = indices[vary.key]
+            ends = ((of.first, of.first_low, of.first_high), (of.total, of.total_low, of.total_high))
+            cells += ["{:.3f} ({:.3f} to {:.3f})".format(*values) for values in ends]
         rows.append([vary.axis_label, *cells])
     headings = ("parameter", "smallest mean / N", "largest mean / N", "first-order index", "total index")
     return ruled_table(title, headings, rows)
-
-
-def _sobol_index_texts(of: SobolIndex) -> list[str]:
-    """Return the first-order and the total Sobol index of one parameter with their confidence intervals as texts."""
-    return [
-        f"{of.first:.3f} ({of.first_low:.3f} to {of.first_high:.3f})",
-        f"{of.total:.3f} ({of.total_low:.3f} to {of.total_high:.3f})",
-    ]
 
 
 @terminal.app.command

@@ -364,7 +364,9 @@ def _user_value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_
     text = f"{number.replace(',', '.') if decimal_comma else number} {unit}"
     try:
         if quantity is LIFE:
-            value = _life_in_million_revolutions(text.split(" ")[0], unit)
+            value = number_of_text(text.split(" ")[0]) * LIVES.get(unit.lower(), float("nan"))
+            if not 0.0 < value < float("inf"):
+                raise ValueError(unit)
         else:
             value = parse_quantity(text, DIMENSIONS[quantity])
     except ValueError as error:
@@ -382,14 +384,6 @@ def _user_value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_
         advice = number_advice(where, "leave the cell empty for the loads of the scene")
         raise InputError(str(path), f"{line}: {WHERE}", where, allowed, advice)
     return UserValue(quantity, value, force, station, where, cells.get("set", ""))
-
-
-def _life_in_million_revolutions(number: str, unit: str) -> float:
-    """Return a life, written as a number and a unit, in million revolutions; ValueError if either is not valid."""
-    value = number_of_text(number) * LIVES.get(unit.lower(), float("nan"))
-    if not 0.0 < value < float("inf"):
-        raise ValueError(unit)
-    return value
 
 
 def _load_or_length_in_si(text: str, dimension: str) -> float | None:

@@ -201,10 +201,7 @@ def answers(
 
 
 def errors_on_screws_drawn_later_text() -> str:
-    """Return the sentences on the models' errors on screws that were drawn after their last change, Lin's model first.
-
-    They are empty if no such screw is stored.
-    """
+    """Return the sentences on the models' errors on screws that were drawn after their last change, Lin's model first."""
     records = survey.built_in_survey("new screw")["scenes"]
     found = {name: survey.model_accuracy_on_random_screws(records, name) for name in reversed(survey.MODELS)}
     texts = [
@@ -213,8 +210,6 @@ def errors_on_screws_drawn_later_text() -> str:
         for name, one in found.items()
         if one.screw_count
     ]
-    if not texts:
-        return ""
     return (
         f"Largest error of a contact load on {found[DEFAULT].screw_count} screws drawn after the models last changed and "
         f"solved once. {'. '.join(texts)}."
@@ -222,9 +217,7 @@ def errors_on_screws_drawn_later_text() -> str:
 
 
 def stability_sentence(records: Sequence[extremes.Record]) -> str:
-    """Return the sentence on drawn extreme screws and axes of the newest version; empty without records of campaigns."""
-    if not records:
-        return ""
+    """Return the sentence on drawn extreme screws and axes of the newest version."""
     newest = [r for r in records if r["version"] == records[-1]["version"]]
     counts = [r["scenes"] for r in newest]
     judged = {v: sum(c.get(v, 0) for c in counts) for v in (*extremes.GOOD, *extremes.BAD)}

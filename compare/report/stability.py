@@ -38,8 +38,6 @@ def survey_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
     step("stored results of the randomly drawn screws")
     every = scenes = survey.built_in_survey()["scenes"]
     title = "Contact-load errors of the models on randomly drawn catalogue screws"
-    if not scenes:
-        return Section("survey", title, (Text(("No results of randomly drawn screws are stored.",)),))
     good = len(scenes) - len(survey.records_without_converged_loads(scenes))
     versions = Counter(str(r["version"]) for r in scenes)
     by = ", ".join(f"{count} by {version}" for version, count in sorted(versions.items()))
@@ -60,11 +58,10 @@ def survey_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
     }
     for column, (model, key) in errors.items():
         columns[column] = [r.get("models", {}).get(model, {}).get(key) for r in every]
-    gate = {}
-    for model in MODELS:
-        known = (r["models"][model].get("gate_percent") for r in scenes if model in r.get("models", {}))
-        gate[model] = np.array([error for error in known if error is not None])
-    passed = screws_within_limit_text(gate)
+    gate = {
+        model: [r["models"][model].get("gate_percent") for r in scenes if model in r.get("models", {})] for model in MODELS
+    }
+    passed = screws_within_limit_text({m: np.array([e for e in each if e is not None]) for m, each in gate.items()})
     summary: list[Row] = [
         {
             "model": row["model"],
@@ -109,8 +106,6 @@ def _items_on_screws_drawn_later(
     screws_drawn_later
         Stored results of the screws drawn after its last change; if there are none, the returned tuple is empty.
     """
-    if not screws_drawn_later:
-        return ()
     about = (
         f"The screws drawn later are of another seed, {survey.NEW_TUBES} with a tube as nut, others with a flange. They "
         "were compared once, after the last change of the models, and nothing was fitted or calibrated with them; their "
@@ -141,14 +136,8 @@ def _items_on_screws_drawn_later(
 def double_nut_items() -> tuple[Text | Table, ...]:
     """Return text and table of the models' errors on the drawn double nuts and the shipped one; empty without records."""
     records = survey.built_in_survey("double nut")["scenes"]
-    if not records:
-        return ()
     good = [r for r in records if r.get("models")]
-    sums = {
-        model: survey.model_accuracy_on_random_screws(good, model)
-        for model in MODELS
-        if any(model in r["models"] for r in good)
-    }
+    sums = {m: survey.model_accuracy_on_random_screws(good, m) for m in MODELS if any(m in r["models"] for r in good)}
     words = "; ".join(
         f"{NAMES[model]}: median {one.median_error:.2f} %, largest {one.largest_error:.2f} %" for model, one in sums.items()
     )
