@@ -295,26 +295,31 @@ def check_scenes(
     others = parse_error_limits(request.limits)
     each_limits = [limits_for_scene(scene, request.max_error, others) for scene in scenes]
     warned = dict.fromkeys(words for limits in each_limits for words in fraction_limit_warnings(limits))
-    named = _scenes_with_files(scenes, request, cases)
+    files = {"loads": request.loads, "values": request.values, "reference": request.reference}
+    for argument, path in files.items():
+        if path is not None and len(scenes) != 1 and len(cases) != len(scenes):
+            advice = "check the scenes one by one, each with its own file"
+            raise ArgumentError(argument, str(path), f"a file for one scene, not {len(scenes)} scenes", advice)
+    named = scenes if any(files.values()) else ()
     read = [_read_files(scene, request, warned.setdefault, cases.get(scene.name)) for scene in named]
     for words in warned:
         warn(words)
     each_files, why = read or [UserFiles()] * len(scenes), dict[str, str]()
     if request.compute and request.stored is None and request.reference is None:
-        scaled = (scene for files in read for scene in files.scenes_by_axial_load.values())
+        scaled = (scene for given in read for scene in given.scenes_by_axial_load.values())
         why = _compute_missing_runs([*scenes, *scaled], request, engine, step)
     out: list[VerdictRow] = []
-    for scene, files, limits in zip(scenes, each_files, each_limits, strict=True):
-        each: Sequence[SceneWithReference] = files.reference or comparison.stored_references(scene, request.stores)
+    for scene, given, limits in zip(scenes, each_files, each_limits, strict=True):
+        each: Sequence[SceneWithReference] = given.reference or comparison.stored_references(scene, request.stores)
         reason = why.get(scene.name, NONE_STORED)
         if request.values is None or request.loads is not None:
-            out += [v for one in each for v in _load_verdicts(one, files, limits, request)]
+            out += [v for one in each for v in _load_verdicts(one, given, limits, request)]
             judged = model_title(request.model or DEFAULT) if request.loads is None else request.loads.name
             out += [] if each else [_not_covered_verdict(scene, judged, LARGEST, limits.largest_load_error, reason)]
-        for value in files.values:
+        for value in given.values:
             beside = each
             if value.axial_load is not None:
-                beside = comparison.stored_references(files.scenes_by_axial_load[value.axial_load], request.stores)
+                beside = comparison.stored_references(given.scenes_by_axial_load[value.axial_load], request.stores)
             places = ((x, x.place_on_shaft) for x in beside)
             one = next((x for x, p in places if p is None or value.set in _accepted_names(p.assembly, p.index)), None)
             out.append(_verdict_on_user_value(value, one, scene, limits, request, reason))
@@ -386,20 +391,6 @@ def _not_covered_verdict(scene: Solvable, judged: str, quantity: str, limit: flo
     ``judged``: name of the model or file; ``limit``: error limit of the quantity; ``why``: the reason.
     """
     return VerdictRow(scene.name, judged, quantity, Judgement.NOT_COVERED, None, None, limit, detail=why)
-
-
-def _scenes_with_files(scenes: Sequence[Solvable], request: GateRequest, cases: Mapping[str, str]) -> Sequence[Solvable]:
-    """Return the scenes to which the user's files apply; none if the request names no file.
-
-    ``scenes``: scenes to be judged; ``cases``: name of the load case by name of the scene, for load cases of one scene.
-    ArgumentError if there are several scenes that are not load cases of a single one.
-    """
-    named = {"loads": request.loads, "values": request.values, "reference": request.reference}
-    for argument, path in named.items():
-        if path is not None and len(scenes) != 1 and len(cases) != len(scenes):
-            advice = "check the scenes one by one, each with its own file"
-            raise ArgumentError(argument, str(path), f"a file for one scene, not {len(scenes)} scenes", advice)
-    return scenes if any(named.values()) else ()
 
 
 def _read_files(scene: Solvable, request: GateRequest, warn: Callable[[str], None], case: str | None) -> UserFiles:
@@ -629,7 +620,13 @@ def _compute_missing_runs(
     """
     why: dict[str, str] = {}
     for group in group_scenes_by_geometry(scenes):
-        for levels, lacking in _missing_levels(group, request).items():
+        missing: dict[tuple[int, ...], list[Solvable]] = {}
+        for scene in group:
+            stored = [k for k in LEVELS if load_stored_run(scene, k, stores=request.stores) is not None]
+            least = request.levels or (ENOUGH if len(stored) < ENOUGH else 0)
+            missing.setdefault(tuple(k for k in range(1, least + 1) if k not in stored), []).append(scene)
+        missing.pop((), None)
+        for levels, lacking in missing.items():
             try:
                 tasks = plan_reference_tasks(lacking, levels)
                 failed = ensure_runs_are_stored(tasks, request.stores[0], engine, step, request.stores[1:])
@@ -638,15 +635,3 @@ def _compute_missing_runs(
                 continue
             why |= {run.scene: f"level {run.level} of its 3D reference: {run.status}" for run in failed}
     return why
-
-
-def _missing_levels(scenes: Sequence[Solvable], request: GateRequest) -> dict[tuple[int, ...], list[Solvable]]:
-    """Return the scenes with missing runs of the 3D reference, grouped by the mesh levels still to be computed."""
-    out: dict[tuple[int, ...], list[Solvable]] = {}
-    for scene in scenes:
-        stored = [k for k in LEVELS if load_stored_run(scene, k, stores=request.stores) is not None]
-        least = request.levels or (ENOUGH if len(stored) < ENOUGH else 0)
-        lacking = tuple(k for k in range(1, least + 1) if k not in stored)
-        if lacking:
-            out.setdefault(lacking, []).append(scene)
-    return out

@@ -104,7 +104,7 @@ def _items_on_screws_drawn_later(
     screws_known_before
         Stored results of the screws that were known while the model was developed.
     screws_drawn_later
-        Stored results of the screws drawn after its last change; if there are none, the returned tuple is empty.
+        Stored results of the screws drawn after its last change.
     """
     about = (
         f"The screws drawn later are of another seed, {survey.NEW_TUBES} with a tube as nut, others with a flange. They "
