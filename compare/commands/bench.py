@@ -16,7 +16,6 @@ from rollbench.compare.running import show_progress_message
 from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table
 
 if TYPE_CHECKING:
-    from rollbench.compare.sections.reference_time import ErrorAndRunTime
     from rollbench.compare.studies.run_times import RunTimeRow
 
 #: Scene whose models are timed unless the user names others.
@@ -96,7 +95,7 @@ def measure_scenes(names: Sequence[str], *, long: bool) -> CommandOutput:
     from rollbench.compare.models.study import SceneResultCache
     from rollbench.compare.reference.store import measuring_conditions
     from rollbench.compare.sections import reference_time
-    from rollbench.compare.studies.run_times import measure_and_store, time_ensemble
+    from rollbench.compare.studies.run_times import RunTimeRow, measure_and_store, time_ensemble
 
     study = SceneResultCache()
     known = reference_time.references_of_compared_scenes(study)
@@ -106,30 +105,15 @@ def measure_scenes(names: Sequence[str], *, long: bool) -> CommandOutput:
     jobs = reference_time.model_time_jobs(study, names) | (reference_time.level_time_jobs(study, names) if long else {})
     kept = measure_and_store(None, measuring_conditions(), jobs, show_progress_message)
     study.computed_values[reference_time.run_times_to_show, show_progress_message] = kept
-    rows = [
-        row
-        for name in names
-        for row in run_time_rows_of_scene(
-            name, reference_time.error_and_time_points(name, known[name], study, show_progress_message)
-        )
-    ]
+    rows = list[RunTimeRow]()
+    for name in names:
+        for p in reference_time.error_and_time_points(name, known[name], study, show_progress_message):
+            if p.cold is not None:
+                warm = "" if p.warm is None else f"; a further solve {p.warm:.3g} s"
+                note = f"new process, empty caches{warm}; RMS error {p.rms:.2f} %"
+                rows.append(RunTimeRow(f"{name}: {p.label}", p.cold, None, p.unknowns, p.memory, p.error, note))
     rows.append(time_ensemble())
     return CommandOutput([asdict(row) for row in rows], _run_time_tables(rows))
-
-
-def run_time_rows_of_scene(scene: str, points: Sequence[ErrorAndRunTime]) -> Iterator[RunTimeRow]:
-    """Yield, for the table of computing times, the time and error of each model and mesh level on a scene.
-
-    ``scene``: name of the scene. ``points``: errors and times of all models and mesh levels; those without a time are left
-    out.
-    """
-    from rollbench.compare.studies.run_times import RunTimeRow
-
-    for p in points:
-        if p.cold is not None:
-            warm = "" if p.warm is None else f"; a further solve {p.warm:.3g} s"
-            note = f"new process, empty caches{warm}; RMS error {p.rms:.2f} %"
-            yield RunTimeRow(f"{scene}: {p.label}", p.cold, None, p.unknowns, p.memory, p.error, note)
 
 
 def _run_time_tables(jobs: Sequence[RunTimeRow]) -> Iterator[object]:

@@ -353,17 +353,10 @@ def check_default_model(cache: SceneResultCache, max_error: float) -> list[GateC
         points = contact_load_errors(reference, load)
         over = [p for p in points if p.exceeds(max_error)]
         for p in over or [max(points, key=lambda p: abs(p.error))]:
-            what = (
-                f"load of ball {p.ball} {p.side}"
-                if over
-                else f"contact load with the largest error (ball {p.ball} {p.side})"
-            )
-            label, text = (
-                f"{name}: {what} against the 3D reference",
-                f"uncertainty of the 3D reference {p.uncertainty:.2f} %",
-            )
-            row = GateCheck(label, kind, None, None, p.error, max_error, not over, text if over else "", p.uncertainty)
-            rows.append(row)
+            at, text = f"ball {p.ball} {p.side}", f"uncertainty of the 3D reference {p.uncertainty:.2f} %" if over else ""
+            what = f"load of {at}" if over else f"contact load with the largest error ({at})"
+            label = f"{name}: {what} against the 3D reference"
+            rows.append(GateCheck(label, kind, None, None, p.error, max_error, not over, text, p.uncertainty))
         e = load_error(load, reference.load, reference.contacts)
         limit, cause = WIDER.get(name, (TIGHT, ""))
         tight = min(limit, max_error)
