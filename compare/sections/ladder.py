@@ -8,16 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from rollbench.compare.measure import error_percent, load_error, mean_load
+from rollbench.compare.models import modelling
 from rollbench.compare.models.comparison import REFERENCED
 from rollbench.compare.models.model_form import SHARE
-from rollbench.compare.models.modelling import (
-    RUNGS,
-    UNSEEN,
-    RefinementStepResult,
-    errors_by_replaced_body,
-    leave_one_out_error_rows,
-    solve_refinement_sequence_on_all_scenes,
-)
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.lowfi.compliance.bodies import PARTS
 from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
@@ -48,7 +41,7 @@ CHOICES: dict[str, ComplianceModel] = {
 VARIED = ("lin-case1", "lin-case3", "unseen-thin-nut")
 
 
-def model_error_table(model_solutions: Sequence[RefinementStepResult]) -> Table:
+def model_error_table(model_solutions: Sequence[modelling.RefinementStepResult]) -> Table:
     """Return the table of the contact-load errors of every low-order model on every scene, simplest model first.
 
     ``model_solutions``: solution of each scene by each model of the sequence, with its errors against the 3D reference.
@@ -66,7 +59,7 @@ def model_error_table(model_solutions: Sequence[RefinementStepResult]) -> Table:
         }
         for r in model_solutions
     ]
-    note = "; ".join(f"{m.name}: {m.refinement_step[1]}" for m in RUNGS if m.refinement_step) + (
+    note = "; ".join(f"{m.name}: {m.refinement_step[1]}" for m in modelling.RUNGS if m.refinement_step) + (
         ". Errors against the finest stored mesh level of the 3D reference. Scenes named unseen were chosen before they "
         "were solved in 3D, and no choice of the models was based on them. With two mesh levels, the mesh uncertainty is "
         "three times their difference."
@@ -75,12 +68,12 @@ def model_error_table(model_solutions: Sequence[RefinementStepResult]) -> Table:
     return Table.from_rows("ladder", title, rows, note)
 
 
-def model_error_figure(model_solutions: Sequence[RefinementStepResult]) -> Figure:
+def model_error_figure(model_solutions: Sequence[modelling.RefinementStepResult]) -> Figure:
     """Draw the largest and the RMS contact-load error over the sequence of models: a line per scene, one for the median.
 
     ``model_solutions``: solution of each scene by each model, with its errors against the 3D reference.
     """
-    order = [m.name for m in RUNGS]
+    order = [m.name for m in modelling.RUNGS]
     scenes = list(dict.fromkeys(r.scene for r in model_solutions))
 
     panels = []
@@ -137,7 +130,7 @@ def error_with_3d_bodies_table(cache: SceneResultCache) -> Table:
 
     The difference from the error of the unchanged model is the contribution of the model's simplified screw or nut.
     """
-    found = cache.compute_once(errors_by_replaced_body)
+    found = cache.compute_once(modelling.errors_by_replaced_body)
     variants: dict[tuple[str, ...], str] = {
         (): "unchanged model",
         ("screw",): "screw compliance from 3D",
@@ -162,14 +155,14 @@ def error_with_3d_bodies_table(cache: SceneResultCache) -> Table:
 
 
 def expected_and_measured_error_items(
-    cache: SceneResultCache, model_solutions: Sequence[RefinementStepResult]
+    cache: SceneResultCache, model_solutions: Sequence[modelling.RefinementStepResult]
 ) -> list[Table | Figure]:
     """Return table and figure that compare the expected error of each model with the measured one, screw by screw.
 
     The error is the largest one of a contact load on a screw; its expected value is estimated from the model's errors on
     all other screws. ``model_solutions``: solution of each scene by each model, with its errors against the 3D reference.
     """
-    rows = leave_one_out_error_rows(cache, model_solutions)
+    rows = modelling.leave_one_out_error_rows(cache, model_solutions)
     lines: list[Row] = []
     panels = []
     for model in dict.fromkeys(row["model"] for row in rows):
@@ -216,14 +209,14 @@ def expected_and_measured_error_items(
     return out
 
 
-def largest_errors_of_models_sentence(model_solutions: Sequence[RefinementStepResult]) -> str:
+def largest_errors_of_models_sentence(model_solutions: Sequence[modelling.RefinementStepResult]) -> str:
     """Return the sentence on the largest contact-load errors of the models lin, refined and condensed.
 
     The errors are stated for the case studies, and for the screws that were not used in the development of the models.
     ``model_solutions``: solution of each scene by each model, with its errors against the 3D reference.
     """
     words = []
-    for label, names in (("case studies", REFERENCED), ("screws not used in development", UNSEEN)):
+    for label, names in (("case studies", REFERENCED), ("screws not used in development", modelling.UNSEEN)):
         for model in ("lin", "refined", "condensed"):
             of_label = [r for r in model_solutions if r.model == model and r.scene in names]
             if of_label:
@@ -241,7 +234,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     ``step`` is called with each line of progress.
     """
     step("every model on every scene with a 3D reference")
-    rungs = cache.compute_once(solve_refinement_sequence_on_all_scenes)
+    rungs = cache.compute_once(modelling.solve_refinement_sequence_on_all_scenes)
     title = "Contact-load errors of a sequence of models, from Lin's rigid-nut model to the refined model"
     if not rungs:
         return Section("ladder", title, (Text(("No run of the 3D reference is stored.",)),))

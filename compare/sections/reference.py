@@ -9,19 +9,7 @@ import numpy as np
 
 from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models import modelling
-from rollbench.compare.models.comparison import (
-    PRINTED,
-    REFERENCED,
-    RULE,
-    ContactSolution,
-    contact_load_errors,
-    known_exceedances,
-    load_ratio,
-    models_shown_for_scene,
-    solution_from_result,
-    solutions_of_reference_runs,
-)
+from rollbench.compare.models import comparison, modelling
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_entry
@@ -50,12 +38,12 @@ def modelling_uncertainty_by_scene(cache: SceneResultCache) -> dict[str, modelli
     return found
 
 
-def solve_contact_loads(cache: SceneResultCache, name: str, model: str) -> ContactSolution:
+def solve_contact_loads(cache: SceneResultCache, name: str, model: str) -> comparison.ContactSolution:
     """Solve a scene by a low-order model, and return its contact loads and displacements.
 
     ``name``: name of the scene. ``model``: name of the model.
     """
-    return solution_from_result(cache.solve_once(name, model))
+    return comparison.solution_from_result(cache.solve_once(name, model))
 
 
 def load_error_table(cache: SceneResultCache, references: References) -> Table:
@@ -69,14 +57,14 @@ def load_error_table(cache: SceneResultCache, references: References) -> Table:
     for name, ref in references.items():
         scene = cache.built_in_scene(name)
         uncertainty = largest_uncertainty_percent(ref), modelling.applicable_modelling_uncertainty(name, modelled)
-        keys, found = PRINTED.get(name), list[tuple[str, Array, str | None]]()
-        for model in models_shown_for_scene(scene):
+        keys, found = comparison.PRINTED.get(name), list[tuple[str, Array, str | None]]()
+        for model in comparison.models_shown_for_scene(scene):
             shown = keys[:2] if keys and model.name == "lin" else ()
             printed = " / ".join(printed_entry("lin-2.4.1", k).number_as_printed for k in shown) or "–"
             found.append((model.label, cache.solve_once(name, model.name).load, printed))
         source = load_stored_run(scene, SOURCE_LEVEL, stores=cache.reference_folders)
         finest = f"3D level {ref.best.level}"
-        coarser = (run for run in solutions_of_reference_runs(ref, source) if run.model != finest)
+        coarser = (run for run in comparison.solutions_of_reference_runs(ref, source) if run.model != finest)
         found += [(LABELS[run.model], run.load, "–") for run in coarser]
         for label, load, printed_errors in (*found, (LABELS[finest], ref.load, None)):
             e = None if printed_errors is None else load_error(load, ref.load, ref.contacts)
@@ -92,7 +80,7 @@ def load_error_table(cache: SceneResultCache, references: References) -> Table:
                     "lin_errors_against_ansys": printed_errors,
                     "mesh_uncertainty": uncertainty[0],
                     "modelling_uncertainty": uncertainty[1],
-                    "load_ratio_on_sl": load_ratio(load),
+                    "load_ratio_on_sl": comparison.load_ratio(load),
                 }
             )
     note = (
@@ -121,8 +109,10 @@ def contact_load_tables(cache: SceneResultCache, references: References) -> list
     out = []
     for name, ref in references.items():
         scene = cache.built_in_scene(name)
-        answers = [solve_contact_loads(cache, name, m.name) for m in models_shown_for_scene(scene)]
-        answers += solutions_of_reference_runs(ref, load_stored_run(scene, SOURCE_LEVEL, stores=cache.reference_folders))
+        answers = [solve_contact_loads(cache, name, m.name) for m in comparison.models_shown_for_scene(scene)]
+        answers += comparison.solutions_of_reference_runs(
+            ref, load_stored_run(scene, SOURCE_LEVEL, stores=cache.reference_folders)
+        )
         labels = [MODELS[a.model].label if a.model in MODELS else LABELS.get(a.model, a.model) for a in answers]
         rows: list[Row] = []
         for i, s in np.ndindex(ref.load.shape):
@@ -183,7 +173,7 @@ def contact_load_figures(cache: SceneResultCache, references: References) -> lis
     out = []
     for name, ref in references.items():
         scene = cache.built_in_scene(name)
-        models = [m for m in models_shown_for_scene(scene) if m.name != "lin-source-partition"]
+        models = [m for m in comparison.models_shown_for_scene(scene) if m.name != "lin-source-partition"]
         answers = {m: solve_contact_loads(cache, name, m.name) for m in models}
         panels = []
         for s in range(4):
@@ -226,7 +216,7 @@ def lin_model_check_paragraph(references: References, cache: SceneResultCache) -
     """
     worst = []
     for name, ref in references.items():
-        points = contact_load_errors(ref, cache.solve_once(name, "lin").load)
+        points = comparison.contact_load_errors(ref, cache.solve_once(name, "lin").load)
         top = max(points, key=lambda p: abs(p.error))
         over = [p for p in points if p.exceeds(LIMIT)]
         worst.append(
@@ -234,9 +224,9 @@ def lin_model_check_paragraph(references: References, cache: SceneResultCache) -
             f"{len(over)} of {len(points)} contacts beyond {LIMIT:g} %"
         )
     return (
-        f"Errors of Lin's model by rollbench check ({RULE}; a contact counts as beyond the limit if its error minus the "
-        f"uncertainty of the reference exceeds it): {'; '.join(worst)}. Number of contacts beyond the limit whose cause "
-        f"is known: {len(known_exceedances())}."
+        f"Errors of Lin's model by rollbench check ({comparison.RULE}; a contact counts as beyond the limit if its error "
+        f"minus the uncertainty of the reference exceeds it): {'; '.join(worst)}. Number of contacts beyond the limit "
+        f"whose cause is known: {len(comparison.known_exceedances())}."
     )
 
 
@@ -260,10 +250,10 @@ def contacts_beyond_check_limit_table(references: References, cache: SceneResult
 
     Each row has the known cause of the error. ``references``: 3D reference of each scene, by name of the scene.
     """
-    causes = {(x.scene, x.ball, x.side): x.cause for x in known_exceedances()}
+    causes = {(x.scene, x.ball, x.side): x.cause for x in comparison.known_exceedances()}
     rows: list[Row] = []
     for name, ref in references.items():
-        for p in contact_load_errors(ref, cache.solve_once(name, "lin").load):
+        for p in comparison.contact_load_errors(ref, cache.solve_once(name, "lin").load):
             if p.exceeds(LIMIT):
                 k, rigid = SIDES.index(p.side), error_against_rigid_nut_reference(cache, name, p.ball, p.side)
                 unknown = "not listed among the known causes: rollbench check fails"
@@ -280,7 +270,7 @@ def contacts_beyond_check_limit_table(references: References, cache: SceneResult
                         "cause": cause,
                     }
                 )
-    note = f"Errors by the rule of rollbench check: {RULE}."
+    note = f"Errors by the rule of rollbench check: {comparison.RULE}."
     title = f"Contacts whose load by Lin's model differs from the 3D reference by more than {LIMIT:g} %"
     return Table.from_rows("reference-exceedances", title, rows, note)
 
@@ -291,7 +281,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     ``step`` is called with each line of progress.
     """
     step("low-order models against the 3D reference")
-    found = cache.stored_references(REFERENCED)
+    found = cache.stored_references(comparison.REFERENCED)
     title = "Contact loads by the low-order models and by the 3D reference"
     if not found:
         return Section("reference", title, (Text(("No run of the 3D reference is stored.",)),))

@@ -18,19 +18,9 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.measure import error_percent, mean_load
-from rollbench.compare.models import uncertainty
+from rollbench.compare.models import modelling, uncertainty
 from rollbench.compare.models.comparison import REFERENCED, solution_from_result
 from rollbench.compare.models.model_form import SHARE
-from rollbench.compare.models.modelling import (
-    REFINED,
-    RUNGS,
-    SPOKEN_FOR,
-    UNSEEN,
-    RefinementStepResult,
-    leave_one_out_error_rows,
-    run_without_changed_choices,
-    solve_refinement_sequence_on_all_scenes,
-)
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference import estimate
@@ -59,7 +49,7 @@ CHECKED = ("two-balls", "lin-case1-cut")
 COARSE = ("liu-screw", "liu-drawn", "liu-small", "liu-drawn-1kN")
 
 #: Shipped scenes whose mesh levels are compared with each other.
-SHIPPED = tuple(dict.fromkeys((*REFERENCED, *CHECKED, *UNSEEN, *COARSE)))
+SHIPPED = tuple(dict.fromkeys((*REFERENCED, *CHECKED, *modelling.UNSEEN, *COARSE)))
 
 #: Least number of contacts for which the share of loads within their uncertainty is meaningful for a single scene.
 MANY = 40
@@ -135,9 +125,9 @@ def load_scatter_by_refinement_boxes(cache: SceneResultCache) -> float | None:
     with different numbers of cells are compared. The difference of a contact load contains the errors of both runs, hence
     the division by the root of two. Returns None if the runs are not stored.
     """
-    scene = cache.built_in_scene(REFINED)
+    scene = cache.built_in_scene(modelling.REFINED)
     finer = load_stored_run(scene, PRODUCTION, SOCKETS, cache.reference_folders)
-    base = run_without_changed_choices(scene, PRODUCTION, cache.reference_folders)
+    base = modelling.run_without_changed_choices(scene, PRODUCTION, cache.reference_folders)
     if finer is None or base is None:
         return None
     on = base.load > 0.0
@@ -152,7 +142,7 @@ def mesh_uncertainty_parameters(cache: SceneResultCache) -> estimate.Uncertainty
     them; an example is an error that all contact loads of a scene share. Returns None if 3D runs are missing.
     """
     loads, box_scatter = loads_by_scene_and_level(cache), load_scatter_by_refinement_boxes(cache)
-    if box_scatter is None or len(loads) < len(UNSEEN):
+    if box_scatter is None or len(loads) < len(modelling.UNSEEN):
         return None
     return estimate.derive_uncertainty_of_other_scenes(loads, box_scatter, cache.compute_once(_load_errors_near_nut_faces))
 
@@ -201,7 +191,7 @@ def check_uncertainty_of_scenes(
     one uncertainty is estimated from each group and tested. Returns an empty list if 3D runs are missing.
     """
     scenes, box_scatter = loads_by_scene_and_level(cache), load_scatter_by_refinement_boxes(cache)
-    if box_scatter is None or len(scenes) < len(UNSEEN):
+    if box_scatter is None or len(scenes) < len(modelling.UNSEEN):
         return []
     beside = cache.compute_once(_load_errors_near_nut_faces)
     return [
@@ -236,8 +226,10 @@ def _test_uncertainty_of_scene(
         Errors of contact loads near free nut faces on level 1, (n, 4) [% of the mean load], by name of the scene.
     """
     name, level = scene.name, max(levels)
-    family = SPOKEN_FOR.get(name, name)
-    others = {other: by_level for other, by_level in loads_by_scene.items() if SPOKEN_FOR.get(other, other) != family}
+    family = modelling.SPOKEN_FOR.get(name, name)
+    others = {
+        other: by_level for other, by_level in loads_by_scene.items() if modelling.SPOKEN_FOR.get(other, other) != family
+    }
     known = estimate.derive_uncertainty_of_other_scenes(others, box_scatter, errors_by_scene_near_faces)
     loads, judge = loads_by_scene[name], max(loads_by_scene[name])
     on, mean = estimate.is_loaded_on_any_level(loads), mean_load(loads[judge])
@@ -269,7 +261,7 @@ SPOKEN = {"lin": "Lin's model"}
 
 
 def validated_errors_of_models(
-    cache: SceneResultCache, model_solutions: Sequence[RefinementStepResult]
+    cache: SceneResultCache, model_solutions: Sequence[modelling.RefinementStepResult]
 ) -> list[uncertainty.ErrorWithUncertainty]:
     """Return the error of every model, with its validation uncertainty u_val, for each scene and quantity.
 
@@ -383,7 +375,7 @@ def bias_and_scatter_figure(table: Table) -> Figure:
     ``table``: bias and scatter by model and quantity (`bias_and_scatter_table`).
     """
     panels = []
-    order = [m.name for m in RUNGS]
+    order = [m.name for m in modelling.RUNGS]
     for quantity in dict.fromkeys(map(str, table.columns["quantity"])):
         of_quantity = [row for row in table.rows if row["quantity"] == quantity]
         x = [float(order.index(str(row["model"])) + 1) for row in of_quantity]
@@ -397,13 +389,13 @@ def bias_and_scatter_figure(table: Table) -> Figure:
     return Figure("bias-scatter", BIAS_TITLE, tuple(panels))
 
 
-def error_bound_coverage_table(cache: SceneResultCache, model_solutions: Sequence[RefinementStepResult]) -> Table:
+def error_bound_coverage_table(cache: SceneResultCache, model_solutions: Sequence[modelling.RefinementStepResult]) -> Table:
     """Return the table of the error bounds that rollbench prints, with the share of actual errors that lie within each.
 
     The bounds are the largest expected error of each model, and the mesh uncertainty of coarser 3D mesh levels.
     ``model_solutions``: solution of each scene by each low-order model.
     """
-    rows = leave_one_out_error_rows(cache, model_solutions)
+    rows = modelling.leave_one_out_error_rows(cache, model_solutions)
     counts = [
         (f"largest error to expect of the model {name}, estimated without the scene", held, total)
         for name, (held, total) in uncertainty.count_within_expected_error(rows).items()
@@ -431,7 +423,7 @@ def error_bound_coverage_table(cache: SceneResultCache, model_solutions: Sequenc
 
 def tables_of_errors(cache: SceneResultCache) -> tuple[Table, Table]:
     """Return the tables of the errors with u_val and of bias and scatter; the first page of the report reads them, too."""
-    rows = validated_errors_of_models(cache, cache.compute_once(solve_refinement_sequence_on_all_scenes))
+    rows = validated_errors_of_models(cache, cache.compute_once(modelling.solve_refinement_sequence_on_all_scenes))
     return errors_with_u_val_table(rows), bias_and_scatter_table(bias_and_scatter(rows))
 
 
@@ -442,7 +434,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     """
     title = "Bias and scatter of the models' errors, and uncertainty of these errors"
     step("every model on every scene with a 3D reference")
-    rungs = cache.compute_once(solve_refinement_sequence_on_all_scenes)
+    rungs = cache.compute_once(modelling.solve_refinement_sequence_on_all_scenes)
     if not rungs:
         return Section("u-val", title, (Text(("No run of the 3D reference is stored.",)),))
     step("uncertainty by mesh, modelling choices and input tolerances of every scene")
