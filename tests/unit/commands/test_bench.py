@@ -36,7 +36,7 @@ def quick(monkeypatch):
     monkeypatch.setattr(reference_time, "LARGE", ())
     monkeypatch.setattr(reference_time, "all_cases", tuple)
     monkeypatch.setattr(reference_time, "models_with_body_files", lambda *_: [(MODELS["mei"], None)])
-    monkeypatch.setattr(reference_time.timing, "COMMANDS", ("schema --help",))
+    monkeypatch.setattr(run_times, "COMMANDS", ("schema --help",))
     monkeypatch.setattr(survey_models, "COUNT", 0)
     monkeypatch.setattr(survey_models.time_models_and_levels_on_screws, "__defaults__", (0,))
     monkeypatch.setattr(run_times, "time_ensemble", lambda: run_times.RunTimeRow("members", 1.0))
@@ -56,7 +56,7 @@ def test_a_stored_run_times_models_and_commands_for_the_report(tmp_path, command
 @pytest.mark.usefixtures("quick")
 def test_models_are_listed_with_errors_beside_their_run_times(monkeypatch, command):
     monkeypatch.setattr(
-        reference_time,
+        run_times,
         "time_mesh_level_in_new_process",
         lambda scene, level: ColdLevelTime(level, 60.0, 118.0, None, "converged", scene, 64, 0.9),
     )
