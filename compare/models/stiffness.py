@@ -301,12 +301,8 @@ def _forces_and_displacements(
 
     The load is that of ``point``, and ``change`` times ``unit`` [N] more.
     """
-    if isinstance(scene, Assembly):
-        assert isinstance(result, AxisResult), "an assembly has the result of an axis"
-        rows = [(-float(s.force[2]), displacement.displacement_of_set(scene, result, s)) for s in result.sets]
-    else:
-        assert isinstance(result, StaticResult), "a scene with one nut or bearing has the result of one"
-        rows = [(axial_force(result), displacement.displacement_of_nut(scene, result))]
+    forces = [-float(s.force[2]) for s in result.sets] if isinstance(result, AxisResult) else [axial_force(result)]
+    rows = np.column_stack([forces, displacement.displacements_of_sets(scene, result)])
     return np.array([*rows, (point.force + change * unit, displacement.displacement_of_load_point(result, point))])
 
 
@@ -328,13 +324,7 @@ def _cross_motions(
 
     def motions(solved: StaticResult | AxisResult) -> Array:
         """Return the motions (n + 1, 6) [m, rad] of a solution."""
-        if isinstance(scene, Assembly):
-            assert isinstance(solved, AxisResult), "an assembly has the result of an axis"
-            rows = [displacement.motion_in_set(scene, solved, s) for s in solved.sets]
-        else:
-            assert isinstance(solved, StaticResult), "a scene with one nut or bearing has the result of one"
-            rows = [displacement.motion_at_nut(scene, solved)]
-        return np.array([*rows, displacement.motion_at(solved, point.at)])
+        return np.array([*displacement.motions_in_sets(scene, solved), displacement.motion_at(solved, point.at)])
 
     now = motions(result)
     if not has_cross_loads(scene):

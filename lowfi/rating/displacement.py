@@ -85,25 +85,31 @@ def displacement_of_load_point(result: StaticSolution, point: LoadPoint) -> floa
     return float(np.dot(motion_at(result, point.at)[:3], point.direction))
 
 
-def displacement_of_nut(scene: Scene, result: StaticResult) -> float:
-    """Return the axial displacement [m] of the screw in its nut, or of a bearing's rings, by eq. (1) of the module.
+def displacements_of_sets(scene: Scene | Assembly, result: StaticSolution) -> Array:
+    """Return the axial displacement [m] between inner and outer part of each of n nuts or bearings ``(n,)``.
 
-    It is counted from the nominal position. ``scene``: screw or bearing, whose nut or outer ring is fixed.
+    It follows from eq. (1) of the module, and is counted from the nominal position.
 
     Examples
     --------
     >>> import rollbench
     >>> scene, result = rollbench.read("lin-case1"), rollbench.solve("lin-case1", "lin").solution
-    >>> round(1e6 * displacement_of_nut(scene, result), 2)
-    18.51
+    >>> (1e6 * displacements_of_sets(scene, result)).round(2)
+    array([18.51])
     """
-    motion = motion_at_nut(scene, result)
-    return float(motion[2] - lead_per_radian(scene.track) * motion[5])
+    parts = [s.of.parts for s in result.sets] if isinstance(result, AxisResult) else [scene]
+    advance = [lead_per_radian(x.track) if isinstance(x, Scene) else 0.0 for x in parts]
+    moved = motions_in_sets(scene, result)
+    return np.asarray(moved[:, 2] - advance * moved[:, 5])
 
 
-def motion_at_nut(scene: Scene, result: StaticResult) -> Array:
-    """Return the motion (6,) [m, rad] of the screw's section at its nut, or of a bearing's inner ring, from nominal."""
-    return motion_at(result, section_of_nut(scene, result))
+def motions_in_sets(scene: Scene | Assembly, result: StaticSolution) -> Array:
+    """Return the motion of the inner relative to the outer part of n nuts or bearings ``(n, 6)`` [m, rad], from nominal."""
+    if isinstance(scene, Assembly):
+        assert isinstance(result, AxisResult), "an assembly has the result of an axis"
+        return np.array([_motion_in_set(scene, result, s) for s in result.sets])
+    assert isinstance(result, StaticResult), "a scene with one nut or bearing has the result of one"
+    return motion_at(result, section_of_nut(scene, result))[None]
 
 
 def section_of_nut(scene: Scene, result: StaticResult) -> float:
@@ -119,17 +125,7 @@ def _section(parts: Scene | RollerRow, balls: StaticResult, position: float) -> 
     return float((load * balls.contact_point[:, :2, 2]).sum() / load.sum())
 
 
-def displacement_of_set(assembly: Assembly, result: AxisResult, of_set: SetResult) -> float:
-    """Return the axial displacement [m] between inner and outer part of one nut or bearing, by eq. (1) of the module.
-
-    It is counted from the nominal position.
-    """
-    moved = motion_in_set(assembly, result, of_set)
-    advance = lead_per_radian(of_set.of.parts.track) if isinstance(of_set.of.parts, Scene) else 0.0
-    return float(moved[2] - advance * moved[5])
-
-
-def motion_in_set(assembly: Assembly, result: AxisResult, of_set: SetResult) -> Array:
+def _motion_in_set(assembly: Assembly, result: AxisResult, of_set: SetResult) -> Array:
     """Return the motion (6,) [m, rad] of the inner relative to the outer part of one nut or bearing, from nominal."""
     of = of_set.of
     if of.carrier is None:

@@ -185,19 +185,6 @@ def axial_compliance_of_bodies(scene: Scene) -> float | None:
     return radial / (2.0 * pi * length * tan(track.contact_angle) ** 2)
 
 
-def screw_displacement_at_nut(scene: Scene, result: StaticResult) -> float:
-    """Return the axial displacement of the screw's section at the nut's centre [m].
-
-    Parameters
-    ----------
-    scene
-        Screw or bearing.
-    result
-        Static result of the scene.
-    """
-    return float(np.interp(scene.nut.position, result.centreline_z, result.centreline[:, 2]))
-
-
 def axial_force(result: StaticResult) -> float:
     """Return the axial force of the screw on the nut [N]; zero if it does not exceed the contact loads' round-off error.
 

@@ -31,12 +31,8 @@ from rollbench.lowfi.bearings.tapered_roller import load_zone_integrals
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
 from rollbench.lowfi.rating import life
-from rollbench.lowfi.rating.rigidity import (
-    axial_compliance_of_bodies,
-    axial_force,
-    displacement_by_contacts_only,
-    screw_displacement_at_nut,
-)
+from rollbench.lowfi.rating.displacement import motion_at
+from rollbench.lowfi.rating.rigidity import axial_compliance_of_bodies, axial_force, displacement_by_contacts_only
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.numerics import brentq
@@ -588,7 +584,7 @@ def nut_rigidity_with_unequal_loads(cache: SceneResultCache, name: str, model: s
     ``cache``: gives the solved scenes; ``name``: name of the scene; ``model``: name of the model.
     """
     scene, found = cache.built_in_scene(name), cache.solve_once(name, model)
-    return axial_force(found) / screw_displacement_at_nut(scene, found) if found.converged else 0.0
+    return axial_force(found) / float(motion_at(found, scene.nut.position)[2]) if found.converged else 0.0
 
 
 def nut_rigidities(findings: ComputedEntryValues, cache: SceneResultCache) -> None:

@@ -35,8 +35,9 @@ from rollbench.compare.reference.estimate import (
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.template import RIM, THICK
 from rollbench.compare.sections.verdicts import printed_numbers_table
+from rollbench.lowfi.rating.displacement import motion_at
 from rollbench.lowfi.rating.life import basic_rating_life
-from rollbench.lowfi.rating.rigidity import axial_force, screw_displacement_at_nut, three_axial_rigidities
+from rollbench.lowfi.rating.rigidity import axial_force, three_axial_rigidities
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Flange, NutHeld, Scene
@@ -179,9 +180,9 @@ def nut_rigidity_row(cache: SceneResultCache, name: str) -> dict[str, Cell] | No
     if found is None:
         return None
     result = cache.solve_once(name, DEFAULT)
-    force, moved = axial_force(result), screw_displacement_at_nut(scene, result)
+    force, moved = axial_force(result), float(motion_at(result, scene.nut.position)[2])
     bare = solve_with_scaled_loads(scene, 0.0, DEFAULT, ModelOptions(estimate_beam_mesh_error=False))
-    if abs(screw_displacement_at_nut(scene, bare)) > STARTS * abs(moved):
+    if abs(motion_at(bare, scene.nut.position)[2]) > STARTS * abs(moved):
         return None
     try:
         stages = three_axial_rigidities(scene, force, moved)
@@ -378,7 +379,7 @@ def fixation_table_rows(cache: SceneResultCache, size: str) -> list[dict[str, Ce
     in_3D = {way: fixation_results_by_level(name, way) for way in held}
     loads = {way: {k: loads_of_stored_result(x) for k, x in levels.items()} for way, levels in in_3D.items()}
     solved = [
-        FixationResult(DEFAULT, way, result.load, axial_force(result) / screw_displacement_at_nut(held[way], result))
+        FixationResult(DEFAULT, way, result.load, axial_force(result) / float(motion_at(result, held[way].nut.position)[2]))
         for way, result in found.items()
         if result.converged
     ]

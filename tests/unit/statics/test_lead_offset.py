@@ -8,6 +8,7 @@ from tests.axes import assembly, nut
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
 
 from rollbench.lowfi.rating import rigidity
+from rollbench.lowfi.rating.displacement import motion_at
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.static import solve_elastic
@@ -67,7 +68,7 @@ def test_preload_stiffens_the_contacts_as_the_solution_says():
     """Rigid bodies: the displacement of (1) is that of the solved screw, half and half of both diagonals."""
     force = 60.0
     scene = halves(force=force, screw="rigid")
-    moved = [rigidity.screw_displacement_at_nut(s, solved(s)) for s in (scene, halves(screw="rigid"))]
+    moved = [motion_at(solved(s), s.nut.position)[2] for s in (scene, halves(screw="rigid"))]
     preloaded, loose = (rigidity.displacement_by_contacts_only(s, force) for s in (scene, halves(0.0, force)))
     assert preloaded == pytest.approx(moved[0] - moved[1], rel=0.02)
     assert preloaded < 0.5 * loose
