@@ -7,6 +7,7 @@ angles, so that contact loads under an axial load decrease monotonically along t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from math import cos, sin
 from time import perf_counter
 from typing import Any
@@ -37,7 +38,8 @@ ASSUMPTIONS = (
 class _AxialBarModel:
     """Arrays of Mei's axial model: screw and nut as rows of elastic bars that N balls join.
 
-    Unknowns are the axial motions of the screw at its nodes and, with an elastic nut, of the nut at the same positions.
+    Unknowns are the axial motions of the screw at its nodes, each followed by that of the nut at the same position. All
+    motions of a rigid nut are fixed.
     """
 
     #: Axial positions of the nodes of the bars [m].
@@ -46,13 +48,13 @@ class _AxialBarModel:
     K: Array
     #: Axial load [N] on the node of each unknown motion.
     load: Array
-    #: Whether a support fixes each of the unknown motions.
+    #: Whether each of the unknown motions is fixed: by a support, or because the nut has no bar there.
     fixed: NDArray[np.bool_]
     #: Prescribed values of the fixed motions [m].
     prescribed: Array
     #: Index of the unknown that is the screw's motion at each ball ``(N,)``.
     screw: NDArray[np.int64]
-    #: Index of the unknown that is the nut's motion at each ball ``(N,)``; -1 for a rigid nut.
+    #: Index of the unknown that is the nut's motion at each ball ``(N,)``.
     nut: NDArray[np.int64]
     #: Approach of opposite flanks of screw and nut per axial motion of the screw: sine of the contact angle times cosine of
     #: the lead angle.
@@ -101,21 +103,17 @@ def _build_bar_model(scene: Scene, layout: BallLayout, closure: Array, C: Array,
     loads = {f.at: f.force[2] for f in scene.loads if f.force[2] != 0.0}
     nodes = merge_close_positions(np.concatenate([layout.z, list(held), list(loads)]), np.array(list(held)))
     n = nodes.size
-    width = 2 if elastic_nut else 1
-    # unknown width * j is the motion of screw node j; the next one is the nut's motion at the same axial position
-    total = width * n + elastic_nut
-    k = np.zeros((total, total))
-    order = width * np.arange(n, dtype=np.int64)
+    k = np.zeros((2 * n, 2 * n))
+    order = 2 * np.arange(n, dtype=np.int64)
     if n > 1:
         _add_bar_stiffness(k, order, nodes, screw_section(scene).EA)
-    fixed, prescribed, load = np.zeros(total, dtype=bool), np.zeros(total), np.zeros(total)
+    fixed, prescribed, load = np.arange(2 * n) % 2 == 1, np.zeros(2 * n), np.zeros(2 * n)
     for z, value in held.items():
         j = order[int(np.argmin(np.abs(nodes - z)))]
         fixed[j], prescribed[j] = True, value
     for z, value in loads.items():
         load[order[int(np.argmin(np.abs(nodes - z)))]] += value
     screw = order[np.abs(nodes[None, :] - layout.z[:, None]).argmin(axis=1)]
-    nut = np.full(layout.z.size, -1, dtype=np.int64)
     if elastic_nut:
         face = scene.nut.position - scene.nut.length / 2.0
         inside = np.flatnonzero((nodes >= layout.z.min() - 1e-9) & (nodes <= layout.z.max() + 1e-9))
@@ -123,11 +121,9 @@ def _build_bar_model(scene: Scene, layout: BallLayout, closure: Array, C: Array,
         members = order[inside] + 1
         _add_bar_stiffness(k, members, nodes[inside], area)
         k[members[0], members[0]] += area / max(float(nodes[inside[0]] - face), 1e-6)
-        unused = np.setdiff1d(np.arange(total), np.concatenate([order, members]))
-        fixed[unused] = True
-        nut = screw + 1
+        fixed[members] = False
     slope = sin(scene.track.contact_angle) * cos(lead_angle(scene.track))
-    return _AxialBarModel(nodes, k, load, fixed, prescribed, screw, nut, slope, closure, pair)
+    return _AxialBarModel(nodes, k, load, fixed, prescribed, screw, screw + 1, slope, closure, pair)
 
 
 def _contact_forces_and_stiffness(chain: _AxialBarModel, x: Array) -> tuple[Array, Array]:
@@ -143,7 +139,7 @@ def _contact_forces_and_stiffness(chain: _AxialBarModel, x: Array) -> tuple[Arra
     x
         Axial motions of all unknowns [m].
     """
-    relative = x[chain.screw] - np.where(chain.nut >= 0, x[chain.nut], 0.0)
+    relative = x[chain.screw] - x[chain.nut]
     delta = chain.interference + chain.approach_per_axial_motion * relative[:, None] * np.array([1.0, -1.0])
     return contact_force(delta, chain.C), contact_stiffness_at_approach(delta, chain.C)
 
@@ -164,8 +160,7 @@ def _unbalanced_and_contact_forces(chain: _AxialBarModel, x: Array) -> tuple[Arr
     axial = chain.approach_per_axial_motion * (force[:, 0] - force[:, 1])
     g = chain.K @ x - chain.load
     np.add.at(g, chain.screw, axial)
-    if chain.nut[0] >= 0:
-        np.add.at(g, chain.nut, -axial)
+    np.add.at(g, chain.nut, -axial)
     return g, force, chain.approach_per_axial_motion**2 * tangent.sum(axis=1)
 
 
@@ -188,11 +183,8 @@ def _minimise_by_newton(chain: _AxialBarModel) -> tuple[Array, int, float]:
         if residual <= 1e-12:
             break
         h = chain.K.copy()
-        pairs = [(chain.screw, chain.screw, 1.0)]
-        if chain.nut[0] >= 0:
-            pairs += [(chain.nut, chain.nut, 1.0), (chain.screw, chain.nut, -1.0), (chain.nut, chain.screw, -1.0)]
-        for row, column, sign in pairs:
-            np.add.at(h, (row, column), sign * stiffness)
+        for row, column in product((chain.screw, chain.nut), repeat=2):
+            np.add.at(h, (row, column), stiffness if row is column else -stiffness)
         h += 1e-9 * min(1.0, residual) * float(h.diagonal().max()) * np.eye(len(h))
         step = np.zeros_like(x)
         step[free] = np.linalg.solve(h[np.ix_(free, free)], -g[free])
@@ -250,8 +242,7 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
     good = residual <= 1e-10
     axial = float((chain.approach_per_axial_motion * (force[:, 0] - force[:, 1])).sum())
     applied, n = float(chain.load.sum()), chain.nodes.size
-    width = 2 if elastic_nut else 1
-    on_screw = slice(0, width * n, width)
+    on_screw = slice(0, None, 2)
     unbalanced = _unbalanced_and_contact_forces(chain, x)[0]
     reaction = float(unbalanced[on_screw][chain.fixed[on_screw]].sum())
     stations = np.unique(np.concatenate([chain.nodes, [0.0, scene.screw.length]]))

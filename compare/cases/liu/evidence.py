@@ -512,9 +512,9 @@ def secant_stiffness_without_errors(load: float, step: float) -> float:
     ``load``: axial load [N]; ``step``: load step over which the stiffness is a secant [N]; 0: tangent stiffness.
     """
     if step == 0.0:
-        return 1e-8 * solve_with_error_of_ball_33(0.0, load).stiffness
+        return float(1e-8 * solve_with_error_of_ball_33(0.0, load).stiffness)
     moved = [solve_with_error_of_ball_33(0.0, f).displacement for f in (load, load + step)]
-    return 1e-8 * step / (moved[1] - moved[0])
+    return float(1e-8 * step / (moved[1] - moved[0]))
 
 
 @cache

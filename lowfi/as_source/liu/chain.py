@@ -37,7 +37,7 @@ S screws, or states of one screw, are solved together: in all arrays the axes ar
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -119,9 +119,11 @@ class BallScrewChain:
         return float(np.sin(self.contact_angle) * np.cos(self.lead_angle))
 
 
-@dataclass(frozen=True)
-class BallScrewState:
-    """Contact loads, motions and stiffness of one ball screw with random errors under one axial load."""
+class BallScrewState(NamedTuple):
+    """Contact loads, motions and stiffness of one ball screw with random errors under one axial load.
+
+    For S screws, each under an axial load of its own, all fields and properties have the axis of the screws in front.
+    """
 
     #: Contact loads Q of the M balls ``(M,)`` [N].
     load: Array
@@ -129,33 +131,37 @@ class BallScrewState:
     #: both bodies are stretched.
     motion: Array
     #: Axial motion of the nut at which the ball with the largest error comes into contact first [m].
-    first_contact_motion: float
+    first_contact_motion: Any
     #: Axial stiffness dF/du_1, the derivative of the axial load F by the motion u_1 at ball 1, where the load acts [N/m].
-    stiffness: float
+    stiffness: Any
     #: Number of Newton steps.
-    iterations: int
+    iterations: Any
     #: Largest unbalanced axial force on a ball at the end of the iteration, as a fraction of the axial load.
-    residual: float
-    #: Whether the ``residual`` is below the tolerance of Newton's method.
-    converged: bool
+    residual: Any
 
     @property
-    def loaded_balls(self) -> int:
+    def converged(self) -> Any:
+        """Whether the ``residual`` is below the tolerance of Newton's method."""
+        return self.residual <= TOLERANCE
+
+    @property
+    def loaded_balls(self) -> Any:
         """Number of balls that carry load."""
-        return int(np.count_nonzero(self.load > 0.0))
+        return np.count_nonzero(self.load > 0.0, axis=-1)
 
     @property
-    def displacement(self) -> float:
+    def displacement(self) -> Any:
         """Axial motion of the nut at ball 1, where the load acts, since the first contact of any ball [m]."""
-        return float(self.motion[0] - self.first_contact_motion)
+        return self.motion[..., 0] - self.first_contact_motion
 
     @property
-    def displacement_first_loaded(self) -> float:
+    def displacement_first_loaded(self) -> Any:
         """Axial motion of the nut at the first loaded ball, since the first contact of any ball [m] (Liu's equation 19).
 
         It does not contain the stretch of screw and nut before this ball.
         """
-        return float(self.motion[int(np.argmax(self.load > 0.0))] - self.first_contact_motion)
+        first = np.argmax(self.load > 0.0, axis=-1, keepdims=True)
+        return np.take_along_axis(self.motion, first, axis=-1)[..., 0] - self.first_contact_motion
 
 
 def checked_ball_errors(chain: BallScrewChain, errors: Array) -> Array:
@@ -239,6 +245,21 @@ def _implicit_approach(chain: BallScrewChain, v: Array, error: Array) -> tuple[A
     return approach, sine, sine / (1.0 - v * turn)
 
 
+def contact_angle_sine(chain: BallScrewChain, errors: Array, approach: Array) -> tuple[Array, Array]:
+    """Return the sine of the contact angle of k balls, and its derivative by the ball's approach [1/m], ``(k,)`` each.
+
+    ``chain``: ball screw, which says how the contact angle changes under load; ``errors``, ``approach``: oversize and
+    approach of the k balls ``(k,)`` [m].
+    """
+    sine_0, cosine_0 = np.sin(chain.contact_angle), np.cos(chain.contact_angle)
+    if chain.law == "constant":
+        return np.full_like(approach, sine_0), np.zeros_like(approach)
+    free = chain.groove_distance - (errors if chain.law == "implicit" else 0.0)
+    cosine = free * cosine_0 / (chain.groove_distance - errors + approach)
+    sine = np.sqrt(1.0 - cosine**2)
+    return sine, cosine**2 / (sine * (chain.groove_distance - errors + approach))
+
+
 #: Number of Newton steps after which the iteration ends without convergence.
 MAX_ITERATIONS = 60
 
@@ -246,22 +267,7 @@ MAX_ITERATIONS = 60
 TOLERANCE = 1e-10
 
 
-class SolvedScrews(NamedTuple):
-    """Loads and motions of the M balls of S screws, each under an axial load of its own."""
-
-    #: Contact loads Q ``(S, M)`` [N].
-    contact_load: Array
-    #: Axial motions u of the nut relative to the screw at each ball ``(S, M)`` [m].
-    motion: Array
-    #: Derivatives dF/du_1 of the axial load by the motion at ball 1 ``(S,)`` [N/m].
-    stiffness: Array
-    #: Largest unbalanced axial force on a ball, as a fraction of the axial load ``(S,)``.
-    residual: Array
-    #: Number of Newton steps ``(S,)``.
-    steps: Array
-
-
-def solve_screws(chain: BallScrewChain, errors: Array, loads: Array) -> SolvedScrews:
+def solve_screws(chain: BallScrewChain, errors: Array, loads: Array) -> BallScrewState:
     """Solve the axial equilibrium of the balls of S screws by Newton's method, with the equations of this module.
 
     The method starts from the motions of rigid bodies, plus the stretch if all balls carried the same load. Screws that
@@ -273,15 +279,18 @@ def solve_screws(chain: BallScrewChain, errors: Array, loads: Array) -> SolvedSc
     stretch = np.cumsum(behind[::-1])[::-1]
     e, F = errors, loads[:, None]
     u = _motion_of_rigid_bodies(chain, e, F) + F * stretch
-    out = SolvedScrews(np.empty_like(e), np.empty_like(e), np.empty(count), np.empty(count), np.empty(count, dtype=int))
+    touch, steps = axial_motion_at_touch(chain, e.max(axis=1)), np.empty(count, dtype=int)
+    out = BallScrewState(np.empty_like(e), np.empty_like(e), touch, np.empty(count), steps, np.empty(count))
     screw, expected = np.arange(count), np.full(e.shape, np.inf)
     for step in range(MAX_ITERATIONS + 1):
         f = force_of_balls(chain, u, e)
         left = np.abs(f.axial - expected).max(axis=1) / F[:, 0]
         s, t = _forces_of_balls_behind(c, f, u)
         done = (left <= TOLERANCE) | (step == MAX_ITERATIONS)
-        for kept, value in zip(out, (f.contact_load, u, s[:, 0], left, step), strict=True):
-            kept[screw[done]] = value if np.ndim(value) == 0 else value[done]
+        results = zip((out.load, out.motion, out.stiffness, out.residual), (f.contact_load, u, s[:, 0], left), strict=True)
+        for kept, value in results:
+            kept[screw[done]] = value[done]
+        steps[screw[done]] = step
         if done.all():
             break
         screw, e, F, s, t = (x[~done] for x in (screw, e, F, s, t))
@@ -370,9 +379,7 @@ def solve_ball_screw(chain: BallScrewChain, errors: Array, load: float) -> BallS
     if not 0.0 < load < np.inf:
         raise ValueError(f"the axial load on the ball screw must be positive and finite, got {load} N")
     e = checked_ball_errors(chain, errors)
-    q, u, stiffness, residual, steps = (values[0] for values in solve_screws(chain, e[None], np.array([float(load)])))
-    touch, good = float(axial_motion_at_touch(chain, e.max())), bool(residual <= TOLERANCE)
-    return BallScrewState(q, u, touch, float(stiffness), int(steps), float(residual), good)
+    return BallScrewState(*(values[0] for values in solve_screws(chain, e[None], np.array([float(load)]))))
 
 
 def last_to_first_load_ratio(chain: BallScrewChain, load: float) -> float:

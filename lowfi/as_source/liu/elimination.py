@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.as_source.liu.chain import BallScrewChain, checked_ball_errors
+from rollbench.lowfi.as_source.liu.chain import BallScrewChain, checked_ball_errors, contact_angle_sine
 from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.meshes.arrays import Array
 
@@ -44,28 +44,13 @@ class EliminationResult:
     converged: bool
 
 
-def _contact_angle_sine(chain: BallScrewChain, errors: Array, approach: Array) -> tuple[Array, Array]:
-    """Return the sine of the contact angle of k balls, and its derivative by the ball's approach [1/m], ``(k,)`` each.
-
-    ``chain``: ball screw, which says how the contact angle changes under load; ``errors``, ``approach``: oversize and
-    approach of the k balls ``(k,)`` [m].
-    """
-    sine_0, cosine_0 = np.sin(chain.contact_angle), np.cos(chain.contact_angle)
-    if chain.law == "constant":
-        return np.full_like(approach, sine_0), np.zeros_like(approach)
-    free = chain.groove_distance - (errors if chain.law == "implicit" else 0.0)
-    cosine = free * cosine_0 / (chain.groove_distance - errors + approach)
-    sine = np.sqrt(1.0 - cosine**2)
-    return sine, cosine**2 / (sine * (chain.groove_distance - errors + approach))
-
-
 def _axial_nut_motion_from_approach(chain: BallScrewChain, errors: Array, approach: Array) -> tuple[Array, Array]:
     """Return the axial motion of the nut at k balls [m], and its derivative by the ball's approach, ``(k,)`` each.
 
     With the terms A and B of equation (17) of Liu et al., the motion is (A - B)/cos(lead angle). ``chain``: ball screw;
     ``errors``, ``approach``: oversize and approach of the k balls ``(k,)`` [m].
     """
-    sine, turn = _contact_angle_sine(chain, errors, approach)
+    sine, turn = contact_angle_sine(chain, errors, approach)
     if chain.law == "exact":
         # difference of two lengths along the axis, from that of their squares: no cancellation
         grown, a = approach - errors, chain.groove_distance
@@ -82,7 +67,7 @@ def _axial_forces(chain: BallScrewChain, errors: Array, approach: Array) -> tupl
     are odd functions of the approach. ``chain``: ball screw; ``errors``, ``approach``: oversize and approach of the k balls
     ``(k,)`` [m].
     """
-    sine, turn = _contact_angle_sine(chain, errors, approach)
+    sine, turn = contact_angle_sine(chain, errors, approach)
     root, lead = np.sqrt(np.abs(approach)), np.cos(chain.lead_angle)
     load = chain.stiffness * approach * root
     return load * sine * lead, (1.5 * chain.stiffness * root * sine + load * turn) * lead

@@ -98,19 +98,17 @@ def solve_screws_with_errors(chain: BallScrewChain, errors: Array, loads: Array)
     if f.ndim != 1 or f.size == 0 or not np.all((f > 0.0) & np.isfinite(f)):
         raise ValueError(f"all axial loads on the ball screws must be positive and finite, got {f.tolist()} N")
     e = ball_chain.checked_ball_errors(chain, errors)
-    n, touch = len(e), ball_chain.axial_motion_at_touch(chain, e.max(axis=1))
-    solved = ball_chain.solve_screws(chain, np.repeat(e, f.size, axis=0), np.tile(f, n))
-    q, u = (values.reshape(n, f.size, -1) for values in (solved.contact_load, solved.motion))
-    first_loaded = np.take_along_axis(u, np.argmax(q > 0.0, axis=-1, keepdims=True), axis=-1)[..., 0]
+    solved = ball_chain.solve_screws(chain, np.repeat(e, f.size, axis=0), np.tile(f, len(e)))
     quantities: dict[Quantity, Array] = {
-        "smallest": q.min(axis=-1),
-        "largest": q.max(axis=-1),
-        "loaded": np.count_nonzero(q > 0.0, axis=-1),
-        "displacement": u[..., 0] - touch[:, None],
-        "displacement_first_loaded": first_loaded - touch[:, None],
-        "stiffness": solved.stiffness.reshape(n, f.size),
+        "smallest": solved.load.min(axis=-1),
+        "largest": solved.load.max(axis=-1),
+        "loaded": solved.loaded_balls,
+        "displacement": solved.displacement,
+        "displacement_first_loaded": solved.displacement_first_loaded,
+        "stiffness": solved.stiffness,
     }
-    return np.stack([quantities[name] for name in QUANTITIES], axis=-1), solved.residual.reshape(n, f.size)
+    found = np.stack([quantities[name] for name in QUANTITIES], axis=-1)
+    return found.reshape(len(e), f.size, -1), solved.residual.reshape(len(e), f.size)
 
 
 def solve_ensemble(

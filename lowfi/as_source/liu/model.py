@@ -16,7 +16,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.as_source.liu.chain import BallScrewChain, BallScrewState, Law, solve_ball_screw
+from rollbench.lowfi.as_source.liu.chain import BallScrewChain, BallScrewState, Law, contact_angle_sine, solve_ball_screw
 from rollbench.lowfi.as_source.mei import axial_equilibrium, axial_result, nut_tensile_stiffness
 from rollbench.lowfi.hertz import contact_approach
 from rollbench.lowfi.statics import contacts
@@ -85,9 +85,9 @@ class SpringRow:
             return None
         first = self.solve_under_load(abs(self.axial_load))
         if step == 0.0:
-            return first.stiffness
+            return float(first.stiffness)
         last = self.solve_under_load(abs(self.axial_load) + step)
-        return step / (last.displacement_first_loaded - first.displacement_first_loaded)
+        return float(step / (last.displacement_first_loaded - first.displacement_first_loaded))
 
 
 def nut_as_spring_row(scene: Scene, *, member: int = 0, law: Law = "implicit") -> SpringRow:
@@ -215,7 +215,8 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit") -> Static
     moved, state = np.zeros(m), None
     if row.axial_load != 0.0:
         state = row.solve_under_load(abs(row.axial_load))
-        force, sine = state.load, contact_angle_sines(chain, row.interferences, state)
+        force = state.load
+        sine, _ = contact_angle_sine(chain, row.interferences, contact_approach(force, chain.C))
         stretch = np.concatenate([[0.0], np.cumsum(-np.diff(state.motion))])  # of screw and nut, from the loaded end
         moved = np.asarray(state.motion[0] - row.screw_compliance_share * stretch)
     load, angle = np.zeros((m, 4)), np.full((m, 4), np.nan)
@@ -223,11 +224,11 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit") -> Static
         load[row.ball_order, flank] = force
         angle[row.ball_order, flank] = np.where(force > 0.0, np.arcsin(sine), np.nan)
     axial = row.load_direction * float((force * sine).sum() * np.cos(chain.lead_angle))
-    good = state is None or state.converged
-    residual = 0.0 if state is None else state.residual
+    good = state is None or bool(state.converged)
+    residual = 0.0 if state is None else float(state.residual)
     line = _axial_motions_along_screw(scene, row, layout.z[row.ball_order], row.load_direction * moved)
     own = contacts.hertz_of_every_contact(scene, drawn)
-    steps, seconds = 0 if state is None else state.iterations, perf_counter() - start
+    steps, seconds = 0 if state is None else int(state.iterations), perf_counter() - start
     return axial_result(
         scene,
         load,
@@ -242,28 +243,6 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit") -> Static
         left_out=LEFT_OUT,
         warnings=tuple(contact_warnings(own.pressure(load), own.C_a * np.cbrt(load), scene.balls.radius)),
     )
-
-
-def contact_angle_sines(chain: BallScrewChain, errors: Array, state: BallScrewState) -> Array:
-    """Return the sine of the contact angle of every ball in Liu's model ``(M,)``.
-
-    An unloaded ball has the nominal contact angle.
-
-    Parameters
-    ----------
-    chain
-        Parameters of Liu's equations; the field ``law`` names the relation between approach and contact angle.
-    errors
-        Interference of each ball along the contact normal ``(M,)`` [m].
-    state
-        Solution of Liu's equations.
-    """
-    cosine = np.full(errors.size, np.cos(chain.contact_angle))
-    if chain.law != "constant":
-        apart = chain.groove_distance - errors + contact_approach(state.load, chain.C)
-        free = chain.groove_distance - (errors if chain.law == "implicit" else 0.0)
-        cosine = np.where(state.load > 0.0, free * cosine / apart, cosine)
-    return np.asarray(np.sqrt(1.0 - cosine**2))
 
 
 def _axial_motions_along_screw(scene: Scene, row: SpringRow, at_balls: Array, motions: Array) -> tuple[Array, Array]:

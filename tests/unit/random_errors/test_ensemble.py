@@ -32,7 +32,7 @@ def test_moments_to_first_order():
     state = chains.solve_ball_screw(chain, np.zeros(78), load)
     share, approach = state.load[0], (state.load[0] / chain.stiffness) ** (2 / 3)
     errors = ensemble.draw_uniform_errors(5, 0, 500, 78, half)
-    loads = chains.solve_screws(chain, errors, np.full(500, load)).contact_load
+    loads = chains.solve_screws(chain, errors, np.full(500, load)).load
     deviation = share * 1.5 / approach * half / np.sqrt(3.0) * np.sqrt(77 / 78)
     assert loads.std() == pytest.approx(deviation, rel=0.02)
     found = ensemble.solve_ensemble(chain, half, [load], 500, seed=5)
