@@ -10,8 +10,49 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rollbench.lowfi.as_source.newton import beam_element_stiffness_matrix, screw_beam_stiffness_matrix
-from rollbench.lowfi.statics.problem import NominalContacts
+from rollbench.lowfi.statics.problem import NominalContacts, Problem
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.section import BeamSection
+
+
+def beam_element_stiffness_matrix(length: float, s: BeamSection) -> Array:
+    """Return the stiffness matrix ``(12, 12)`` [N/m, N, N m] of a Timoshenko beam element along z.
+
+    Rows and columns are ux, uy, uz, rx, ry, rz of the first node, then of the second.
+
+    Parameters
+    ----------
+    length
+        Length of the element [m].
+    s
+        Stiffnesses of the cross-section.
+
+    References
+    ----------
+    Przemieniecki (1968); corrects Lin (2019), D.1 and D.2.
+    """
+    phi = 12.0 * s.EI / (s.kGA * length**2)
+    c = s.EI / (length**3 * (1.0 + phi))
+    k = np.zeros((12, 12))
+    for u, r, sign in ((0, 4, 1.0), (1, 3, -1.0)):
+        i = [u, r, u + 6, r + 6]
+        m, near, far = sign * 6.0 * length, (4.0 + phi) * length**2, (2.0 - phi) * length**2
+        k[np.ix_(i, i)] = c * np.array([[12.0, m, -12.0, m], [m, near, -m, far], [-12.0, -m, 12.0, -m], [m, far, -m, near]])
+    for u, value in ((2, s.EA / length), (5, s.GJ / length)):
+        k[np.ix_([u, u + 6], [u, u + 6])] = value * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    return k
+
+
+def screw_beam_stiffness_matrix(problem: Problem) -> Array:
+    """Return the stiffness matrix ``(6 n, 6 n)`` of the screw, a beam with n nodes, as a dense array.
+
+    ``problem``: arrays of the scene, with the positions of the nodes and the section of the beam.
+    """
+    n = problem.nodes.size
+    k = np.zeros((6 * n, 6 * n))
+    for e, length in enumerate(np.diff(problem.nodes)):
+        k[6 * e : 6 * e + 12, 6 * e : 6 * e + 12] += beam_element_stiffness_matrix(float(length), problem.section)
+    return k
 
 
 class Frame(NamedTuple):

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach, contact_force, contact_stiffness_at_approach
+from rollbench.lowfi.statics.beam import nodal_forces
 from rollbench.lowfi.statics.contacts import scene_with_error_free_hertz
 from rollbench.lowfi.statics.held import find_unresisted_motions
 from rollbench.lowfi.statics.problem import SIGNS, ContactState, Problem, SolvedState, build_problem
@@ -27,7 +28,6 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.section import BeamSection
 from rollbench.meshes.surface import groove_radius_with_slopes
 
 Kinematics = Literal["arc", "source"]
@@ -68,46 +68,6 @@ class LinEquationsSolution:
     def converged(self) -> bool:
         """Whether Newton's method converged, so that the loads may be used."""
         return self.status == "converged"
-
-
-def beam_element_stiffness_matrix(length: float, s: BeamSection) -> Array:
-    """Return the stiffness matrix ``(12, 12)`` [N/m, N, N m] of a Timoshenko beam element along z.
-
-    Rows and columns are ux, uy, uz, rx, ry, rz of the first node, then of the second.
-
-    Parameters
-    ----------
-    length
-        Length of the element [m].
-    s
-        Stiffnesses of the cross-section.
-
-    References
-    ----------
-    Przemieniecki (1968); corrects Lin (2019), D.1 and D.2.
-    """
-    phi = 12.0 * s.EI / (s.kGA * length**2)
-    c = s.EI / (length**3 * (1.0 + phi))
-    k = np.zeros((12, 12))
-    for u, r, sign in ((0, 4, 1.0), (1, 3, -1.0)):
-        i = [u, r, u + 6, r + 6]
-        m, near, far = sign * 6.0 * length, (4.0 + phi) * length**2, (2.0 - phi) * length**2
-        k[np.ix_(i, i)] = c * np.array([[12.0, m, -12.0, m], [m, near, -m, far], [-12.0, -m, 12.0, -m], [m, far, -m, near]])
-    for u, value in ((2, s.EA / length), (5, s.GJ / length)):
-        k[np.ix_([u, u + 6], [u, u + 6])] = value * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    return k
-
-
-def screw_beam_stiffness_matrix(problem: Problem) -> Array:
-    """Return the stiffness matrix ``(6 n, 6 n)`` of the screw, a beam with n nodes, as a dense array.
-
-    ``problem``: arrays of the scene, with the positions of the nodes and the section of the beam.
-    """
-    n = problem.nodes.size
-    k = np.zeros((6 * n, 6 * n))
-    for e, length in enumerate(np.diff(problem.nodes)):
-        k[6 * e : 6 * e + 12, 6 * e : 6 * e + 12] += beam_element_stiffness_matrix(float(length), problem.section)
-    return k
 
 
 @dataclass
@@ -189,44 +149,7 @@ class LinEquations:
         return a, a1, a2
 
 
-def _contact_geometry_and_forces(
-    system: LinEquations, ball_positions: Array, gamma: Array, node_motions: Array, side: int
-) -> tuple[Array, Array, Array, Array, Array, Array, NDArray[np.int64], Array, Array]:
-    """Return geometry, forces and motion matrices of the contacts of all N balls with one groove flank.
-
-    ``ball_positions``: positions of the ball centres, radial and binormal ``(N, 2)`` [m]; ``gamma``: contact angles
-    ``(N,)`` [rad]; ``node_motions``: motions of the beam's nodes, one after the other ``(6 n,)`` [m, rad]; ``side``: number
-    of the flank, 0 or 1 on the screw, 2 or 3 on the nut.
-
-    Returns
-    -------
-    tuple
-        Normal n, tangent t and dt/dgamma of each contact; distance of ball centre and flank; contact force [N] and its
-        derivative by the approach [N/m]; then the first three values of `LinEquations.flank_motion_matrices`: index of the
-        first nodal unknown, and the matrices from nodal motions to the flank's motion and their derivative by the contact
-        angle.
-    """
-    problem = system.problem
-    a, t, t1 = system.contact_point_on_flank(side, gamma)
-    count = ball_positions.shape[0]
-    if side < 2:
-        dof, m0, m1, m2 = system.flank_motion_matrices(side, gamma)
-        u_local = node_motions[dof[:, None] + np.arange(m0.shape[2])[None, :]]
-        a = a + np.einsum("nak,nk->na", m0, u_local)
-        t = t + np.einsum("nak,nk->na", m1, u_local)
-        t1 = t1 + np.einsum("nak,nk->na", m2, u_local)
-    else:
-        dof, m0, m1 = np.zeros(count, dtype=np.int64), np.zeros((count, 2, 0)), np.zeros((count, 2, 0))
-    d = ball_positions - a
-    dist = np.linalg.norm(d, axis=1)
-    n = d / dist[:, None]
-    c, delta = problem.C[:, side], problem.drawn.ball_radii - dist
-    return n, t, t1, dist, contact_force(delta, c), contact_stiffness_at_approach(delta, c), dof, m0, m1
-
-
-def equations_and_jacobian(
-    system: LinEquations, unknowns: Array, load: Array, *, jacobian: bool = True
-) -> tuple[Array, Array | None, Array]:
+def equations_and_jacobian(system: LinEquations, unknowns: Array, load: Array) -> tuple[Array, Array, Array]:
     """Return the residuals of Lin's equations for balls and screw, their Jacobian, and the contact loads.
 
     The equations are the contact conditions and the equilibrium of balls and screw, Phi(x) = 0 in equation 2.25 of Lin's
@@ -241,13 +164,11 @@ def equations_and_jacobian(
         then the six motions of each of the n nodes [m, rad].
     load
         Loads on the nodes ``(6 n,)`` [N, N m].
-    jacobian
-        Whether to compute the Jacobian; if not, None is returned in its place.
 
     Returns
     -------
     tuple
-        Residuals ``(6 N + 6 n,)``, in the order of the unknowns; Jacobian, or None; contact loads ``(N, 4)`` [N].
+        Residuals ``(6 N + 6 n,)``, in the order of the unknowns; Jacobian; contact loads ``(N, 4)`` [N].
     """
     problem = system.problem
     count = problem.C.shape[0]
@@ -255,24 +176,34 @@ def equations_and_jacobian(
     gamma = unknowns[2 * count : 6 * count].reshape(count, 4)
     u = unknowns[6 * count :]
     phi = np.zeros(unknowns.size)
-    jac = np.zeros((unknowns.size, unknowns.size)) if jacobian else None
+    jac = np.zeros((unknowns.size, unknowns.size))
     balls = np.arange(count)
     rows_p, rows_g, base = 2 * balls[:, None] + np.arange(2), 2 * count + 4 * balls, 6 * count
     phi[base:] = system.K @ u - load
-    if jac is not None:
-        jac[base:, base:] = system.K
+    jac[base:, base:] = system.K
     forces = np.zeros((count, 4))
     eye = np.eye(2)
     for side in range(4):
-        n, t, t1, dist, force, stiff, dof, m0, m1 = _contact_geometry_and_forces(system, p, gamma[:, side], u, side)
+        # tangent t and dt/dgamma of the flank at its contact points a; matrices from nodal motions to its motion
+        a, t, t1 = system.contact_point_on_flank(side, gamma[:, side])
+        dof, m0, m1 = np.zeros(count, dtype=np.int64), np.zeros((count, 2, 0)), np.zeros((count, 2, 0))
+        if side < 2:
+            dof, m0, m1, m2 = system.flank_motion_matrices(side, gamma[:, side])
+            u_local = u[dof[:, None] + np.arange(m0.shape[2])[None, :]]
+            a = a + np.einsum("nak,nk->na", m0, u_local)
+            t = t + np.einsum("nak,nk->na", m1, u_local)
+            t1 = t1 + np.einsum("nak,nk->na", m2, u_local)
+        d = p - a
+        dist = np.linalg.norm(d, axis=1)
+        n = d / dist[:, None]
+        c, delta = problem.C[:, side], problem.drawn.ball_radii - dist
+        force, stiff = contact_force(delta, c), contact_stiffness_at_approach(delta, c)
         g, pull = rows_g + side, force[:, None] * n
         forces[:, side] = force
         phi[g] = np.einsum("na,na->n", n, t)
         np.add.at(phi, rows_p, pull)
         columns = base + dof[:, None] + np.arange(m0.shape[2])[None, :]
         np.add.at(phi, columns, np.einsum("nak,na->nk", m0, pull))
-        if jac is None:
-            continue
         project = (eye - n[:, :, None] * n[:, None, :]) / dist[:, None, None]
         pt = np.einsum("nab,nb->na", project, t)
         fp = force[:, None, None] * project - stiff[:, None, None] * n[:, :, None] * n[:, None, :]
@@ -363,7 +294,10 @@ def solve_by_lin_equations(
     free_u = np.flatnonzero(~problem.fixed.ravel())
     count = problem.C.shape[0]
     free = np.concatenate([np.arange(6 * count), 6 * count + free_u])
-    system = LinEquations(problem, kinematics, screw_beam_stiffness_matrix(problem), free, axes)
+    size, s = problem.fixed.size, problem.section
+    sections = np.tile([[s.EA], [s.EI], [s.GJ], [s.kGA]], problem.nodes.size - 1)
+    K = nodal_forces(np.diff(problem.nodes), sections, np.eye(size)).reshape(size, size)
+    system = LinEquations(problem, kinematics, K, free, axes)
     steps = [1.0] if start_values != "load steps" else list(np.linspace(0.1, 1.0, 10))
     x = newton_start_values(system, start_values, steps[0])
     total, residual, status = 0, np.inf, "converged"
@@ -374,7 +308,7 @@ def solve_by_lin_equations(
             total += iterations
             if status != "converged":
                 break
-        phi, _, forces = equations_and_jacobian(system, x, problem.load.ravel(), jacobian=False)
+        phi, _, forces = equations_and_jacobian(system, x, problem.load.ravel())
     return LinEquationsSolution(
         status=status,
         contact_loads=forces,
@@ -481,7 +415,6 @@ def solve_equations_by_newton(
             return unknowns, iteration, residual, "converged" if residual <= 1e-10 else f"stalled at {residual:.1e}"
         if not np.all(np.isfinite(phi)):
             return unknowns, iteration, residual, "diverged: the iterate is not finite"
-        assert jac is not None
         free = system.free_unknowns
         small = jac[np.ix_(free, free)]
         scale, step = np.abs(small).max(axis=1), np.full(free.size, np.inf)
