@@ -231,48 +231,10 @@ def carlson_rd_and_slope(x: Array, y: Array, z: Array) -> tuple[Array, Array]:
     """Return Carlson's elliptic integral R_D(x, y, z), then -(4/3) dR_D/dy, for x >= 0 and y, z > 0, ``(n,)`` each.
 
     The second value is the integral over t = 0 to infinity of (t+x)^(-1/2) (t+y)^(-3/2) (t+z)^(-3/2). It equals (2/3)
-    (R_D(x, z, y) - R_D(x, y, z))/(z - y), but without the cancellation at y = z. Both values come from Carlson's
-    duplication (1995), differentiated in each step.
+    (R_D(x, z, y) - R_D(x, y, z))/(z - y), but without the cancellation at y = z: the derivative is the imaginary part of
+    R_D at a y with an imaginary part, which is too small to change the real part.
     """
-    dx, dy, dz = np.zeros_like(x), np.ones_like(x), np.zeros_like(x)
-    total, d_total, scale = np.zeros_like(x), np.zeros_like(x), 1.0
-    for _ in range(60):
-        mean = (x + y + 3.0 * z) / 5.0
-        if np.all(np.abs(mean - x) + np.abs(mean - y) + np.abs(mean - z) < 4e-2 * mean):
-            break
-        sx, sy, sz = np.sqrt(x), np.sqrt(y), np.sqrt(z)
-        tx, ty, tz = 0.5 * dx / np.where(sx > 0.0, sx, 1.0), 0.5 * dy / sy, 0.5 * dz / sz
-        shift, d_shift = sx * (sy + sz) + sy * sz, tx * (sy + sz) + sx * (ty + tz) + ty * sz + sy * tz
-        term = scale / (sz * (z + shift))
-        total = total + term
-        d_total = d_total - term * (tz / sz + (dz + d_shift) / (z + shift))
-        scale *= 0.25
-        x, y, z = 0.25 * (x + shift), 0.25 * (y + shift), 0.25 * (z + shift)
-        dx, dy, dz = 0.25 * (dx + d_shift), 0.25 * (dy + d_shift), 0.25 * (dz + d_shift)
-    mean, d_mean = (x + y + 3.0 * z) / 5.0, (dx + dy + 3.0 * dz) / 5.0
-    unit = scale / (mean * np.sqrt(mean))
-    series, bend = _carlson_series(
-        1.0 - x / mean, 1.0 - y / mean, (x * d_mean / mean - dx) / mean, (y * d_mean / mean - dy) / mean
-    )
-    slope = 3.0 * d_total + unit * (bend - 1.5 * series * d_mean / mean)
-    return 3.0 * total + unit * series, -4.0 / 3.0 * slope
+    from scipy.special import elliprd  # loads slowly
 
-
-def _carlson_series(x: Array, y: Array, dx: Array, dy: Array) -> tuple[Array, Array]:
-    """Return the polynomial of the series of R_D to the seventh order (DLMF 19.36.2), then its derivative along (dx, dy).
-
-    ``x``, ``y``: relative deviations of the first two arguments of R_D from the weighted mean of all three.
-    """
-    z, dz = -(x + y) / 3.0, -(dx + dy) / 3.0
-    xy, zz, dxy, dzz = x * y, z * z, dx * y + x * dy, 2.0 * z * dz
-    e2, d2 = xy - 6.0 * zz, dxy - 6.0 * dzz
-    e3, d3 = (3.0 * xy - 8.0 * zz) * z, (3.0 * dxy - 8.0 * dzz) * z + (3.0 * xy - 8.0 * zz) * dz
-    e4, d4 = 3.0 * (xy - zz) * zz, 3.0 * ((dxy - dzz) * zz + (xy - zz) * dzz)
-    e5, d5 = xy * zz * z, dxy * zz * z + 1.5 * xy * z * dzz
-    low = 1.0 - 3.0 * e2 / 14.0 + e3 / 6.0 + 9.0 * e2 * e2 / 88.0 - 3.0 * e4 / 22.0 - 9.0 * e2 * e3 / 52.0
-    high = 3.0 * e5 / 26.0 - e2 * e2 * e2 / 16.0 + 3.0 * e3 * e3 / 40.0 + 3.0 * e2 * e4 / 20.0
-    last = 45.0 * e2 * e2 * e3 / 272.0 - 9.0 * (e3 * e4 + e2 * e5) / 68.0
-    d_low = -3.0 * d2 / 14.0 + d3 / 6.0 + 9.0 * e2 * d2 / 44.0 - 3.0 * d4 / 22.0 - 9.0 * (d2 * e3 + e2 * d3) / 52.0
-    d_high = 3.0 * d5 / 26.0 - 3.0 * e2 * e2 * d2 / 16.0 + 3.0 * e3 * d3 / 20.0 + 3.0 * (d2 * e4 + e2 * d4) / 20.0
-    d_last = 45.0 * (2.0 * e2 * d2 * e3 + e2 * e2 * d3) / 272.0 - 9.0 * (d3 * e4 + e3 * d4 + d2 * e5 + e2 * d5) / 68.0
-    return low + high + last, d_low + d_high + d_last
+    found = elliprd(x, y * (1.0 + 1e-30j), z)
+    return found.real, -4.0 / 3.0 * found.imag / (1e-30 * y)
