@@ -26,7 +26,8 @@ def setting(scene, friction=MU, motion=TURN, solve=contact_loads):
     scene = replace(scene, motion=motion)
     drawn = draw_errors(scene)
     balls = balls_in_circuits(scene, friction, motion, drawn)
-    return SceneInMotion(scene, friction, motion, drawn, balls, partial(solve, scene))
+    fixed = {"scene": scene, "friction": friction, "drive": motion, "random_errors": drawn}
+    return SceneInMotion(**vars(balls), **fixed, solve_contact_loads=partial(solve, scene))
 
 
 def crowded(clearance=1e-6, count=6, hand="right", **options):

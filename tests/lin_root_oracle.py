@@ -41,5 +41,5 @@ def linear_bearing_friction_law(bearing: LinearBearing, sharpness: float | None 
     both rings, is zero between grooves that do not turn.
     """
     if sharpness is None:
-        return laws.CoulombLaw()
+        return laws.friction_forces
     return laws.SigmoidLaw(sharpness, 0.5 * abs(bearing.speed) * float(np.tan(bearing.contact_angle)) / bearing.ball_radius)

@@ -157,12 +157,9 @@ def ball_forces_and_losses(balls: LoadedBalls, law: laws.FrictionLaw, q: Array, 
     """
     n, pair = balls.count, balls.ball_to_ball_contact
     motion = balls.imposed_contact_motions + (balls.contact_motion_maps @ q[:, None, :, None])[..., 0]
-    f = law.friction(balls.contacts, motion.reshape(-1, 3))
+    f = law(balls.contacts, motion.reshape(-1, 3))
     wrench = np.column_stack([f.force, f.moment]).reshape(n, 4, 3)
     left = np.einsum("ncr,ncrj->nj", wrench, balls.contact_motion_maps)
-    if n == 1:
-        none = np.zeros(0)
-        return BallForcesAndLosses(left, wrench[..., :2], wrench[..., 2], f.loss.reshape(1, 4), none, none.reshape(0, 2))
     slide = q[:-1] @ pair.first_ball_surface_speeds.T - q[1:] @ pair.second_ball_surface_speeds.T
     size = np.sqrt(np.sum(slide * slide, axis=1))
     rub = slide / np.where(size > 0.0, size, 1.0)[:, None]
@@ -233,7 +230,7 @@ def solve_single_balls_nearby(balls: LoadedBalls, law: laws.FrictionLaw, q: Arra
     def residuals(x: Array) -> Array:
         """Return the scaled unbalanced forces on the balls at n + 1 scaled motions of each ``(n + 1, N, n)``."""
         motion = balls.imposed_contact_motions + (balls.contact_motion_maps @ (x / turn)[:, :, None, :, None])[..., 0]
-        f = law.friction(contacts, motion.reshape(-1, 3))
+        f = law(contacts, motion.reshape(-1, 3))
         wrench = np.column_stack([f.force, f.moment]).reshape(motion.shape)
         return np.asarray(np.einsum("tkcr,kcrj->tkj", wrench, balls.contact_motion_maps) / unit)
 

@@ -77,21 +77,6 @@ def load_per_ball_and_its_approach(cell: screw_motion.BallsBetweenGrooves) -> tu
     return share, float(np.max(cell.groove.contact_hertz_constants.C)) * share ** (2.0 / 3.0)
 
 
-def starting_positions(cell: screw_motion.BallsBetweenGrooves) -> BallPositions:
-    """Return the positions of balls and screw from which Lin's search for the contact loads starts.
-
-    The screw is displaced along its load by four times the approach of a ball under an equal part of the load on the
-    screw, plus the clearance; the balls are displaced half as far. The nominal state, from which Lin's text starts, has
-    no stiffness without preload. The function `solve_screw_contact_loads` starts from the same positions if ``cell``
-    gives no displacement of the screw in addition to its free motions. ``cell``: the balls and their grooves.
-    """
-    total, (_, size) = float(np.linalg.norm(cell.external_screw_force)), load_per_ball_and_its_approach(cell)
-    size += max(0.0, -float(np.min(cell.interference)))
-    screw = np.zeros(cell.external_screw_force.size) if total == 0.0 else 4.0 * size * cell.external_screw_force / total
-    at_balls = cell.section_displacement_maps @ screw + cell.given_screw_displacement
-    return BallPositions(0.5 * at_balls, cell.angle.copy(), screw)
-
-
 def solve_contact_loads_by_root(
     cell: screw_motion.BallsBetweenGrooves, start: BallPositions | None = None
 ) -> ContactLoadSolution:
@@ -104,7 +89,9 @@ def solve_contact_loads_by_root(
     """
     n = cell.angle.shape[0]
     scale, size = load_per_ball_and_its_approach(cell)
-    at = starting_positions(cell) if start is None else start
+    if start is None:
+        ball, screw = screw_motion.starting_displacements(cell)
+        start = BallPositions(ball, cell.angle, screw)
 
     def positions_from_unknowns(x: Array) -> BallPositions:
         """Return positions of balls and screw from the scaled unknowns x."""
@@ -119,7 +106,9 @@ def solve_contact_loads_by_root(
         on_balls = cell.ball_friction_forces - pull.sum(axis=1)
         return np.concatenate([(on_balls / scale).ravel(), bent.ravel(), on_screw / (n * scale)])
 
-    x = np.concatenate([(at.ball_displacements / size).ravel(), at.contact_angles.ravel(), at.screw_displacements / size])
+    x = np.concatenate(
+        [(start.ball_displacements / size).ravel(), start.contact_angles.ravel(), start.screw_displacements / size]
+    )
     solution = root(residual, x, method="hybr", options=HYBRID)
     places = positions_from_unknowns(solution.x)
     force, _, _ = contact_loads_at_positions(cell, places)

@@ -19,8 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rollbench.lowfi.friction.contact import equilibrium
-from rollbench.lowfi.friction.contact.laws import EllipticalContacts, SigmoidLaw, contacts_from_values
-from rollbench.lowfi.friction.contact.normal_force import BallContactArrays
+from rollbench.lowfi.friction.contact.laws import EllipticalContacts, SigmoidLaw
 from rollbench.lowfi.friction.screw import motion as screw_motion
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove, section_axes
 from rollbench.meshes.arrays import Array, Index, Mask
@@ -57,8 +56,6 @@ class BearingBallSolution:
     bearing: Bearing
     #: Contact loads and contact angles of the ball.
     load: equilibrium.ContactLoadSolution
-    #: Ellipses, loads and friction coefficients of the ball's contacts.
-    contacts: EllipticalContacts
     #: Contacts, kinematics and forces that determine the ball's motion.
     problem: equilibrium.BodyMotionProblem
     #: Motion and friction of the ball.
@@ -99,24 +96,23 @@ def contact_loads_of_ball(
     ----------
     Lin (2019), 3.2.2: groove centres at the nominal contact angle.
     """
-    normals = np.stack([AXIAL * np.sin(bearing.contact_angle), RADIAL * np.cos(bearing.contact_angle)], axis=1)
-    cell = BallContactArrays(
-        groove_to_ball_vectors=bearing.groove_ball_centre_distance * normals[None],
+    none, along_axis = np.zeros((1, 2)), np.array([[[0.0], [0.0], [1.0]]])
+    cell = screw_motion.BallsBetweenGrooves(
+        groove=bearing,
+        angle=np.full((1, 4), bearing.contact_angle),
         interference=np.full((1, 4), -bearing.clearance),
-        C=bearing.contact_hertz_constants.C,
-        inner_displacement_maps=np.array([[[1.0], [0.0]]]),
-        given_inner_displacement=np.array([[0.0, radial_displacement]]),
-        ball_forces=np.zeros((1, 2)),
-        inner_body_forces=np.array([axial_force]),
-        groove_ball_centre_distance=bearing.groove_ball_centre_distance,
+        screw_displacement_maps=along_axis,
+        external_screw_force=np.array([axial_force]),
+        given_screw_displacement=np.array([[radial_displacement, 0.0]]),
+        ball_friction_forces=none,
+        screw_friction_forces=np.zeros(1),
     )
-    approach = float(np.max(cell.C)) * max(abs(axial_force), 1e-6) ** (2.0 / 3.0)
+    approach = float(np.max(bearing.contact_hertz_constants.C)) * max(abs(axial_force), 1e-6) ** (2.0 / 3.0)
     way = float(np.sign(axial_force)) * (approach + max(bearing.clearance, 0.0) + abs(radial_displacement))
-    start = np.array([[2.0 * way, 0.5 * radial_displacement]]), np.array([4.0 * way])
-    found = equilibrium.solve_contact_loads(
-        cell, abs(axial_force), *start, lambda n: np.arctan2(np.abs(n[..., 0]), np.abs(n[..., 1]))
-    )
-    return replace(found, force=found.force[0], angle=found.angle[0], ball_displacements=found.ball_displacements[0])
+    start = np.array([[0.5 * radial_displacement, 2.0 * way]]), np.array([4.0 * way])
+    found = screw_motion.solve_screw_contact_loads(cell, start)
+    force, angle, moved = found.force[0, AROUND], found.angle[0, AROUND], found.ball_displacements[0, ::-1]
+    return replace(found, force=force, angle=angle, ball_displacements=moved)
 
 
 def contact_kinematics(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
@@ -141,23 +137,6 @@ def contact_kinematics(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
     return maps[AROUND][..., TURNS], drives[AROUND]
 
 
-def ball_contacts(bearing: Bearing, load: equilibrium.ContactLoadSolution) -> EllipticalContacts:
-    """Return ellipses, loads and friction coefficients of a ball's contacts.
-
-    A contact without load gets a tiny ellipse, so that its semi-axes are not zero.
-
-    Parameters
-    ----------
-    bearing
-        The bearing.
-    load
-        Contact loads and angles of the ball.
-    """
-    h = bearing.contact_hertz_constants
-    cube = np.cbrt(np.maximum(load.force, max(1e-9 * float(np.max(load.force)), 1e-30)))
-    return contacts_from_values(h.C_a * cube, h.C_b * cube, load.force, bearing.mu)
-
-
 def ball_motion_problem(
     bearing: Bearing, load: equilibrium.ContactLoadSolution, at: EllipticalContacts
 ) -> equilibrium.BodyMotionProblem:
@@ -174,7 +153,7 @@ def ball_motion_problem(
     load
         Contact loads and angles of the ball.
     at
-        Contacts of the ball, by `ball_contacts`.
+        Contacts of the ball, by `screw_motion.contact_ellipses_of_screw`.
     """
     maps, drives = contact_kinematics(bearing, load.angle)
     return equilibrium.BodyMotionProblem(
@@ -227,9 +206,11 @@ def solve_balls_of_bearing(
 ) -> list[BearingBallSolution]:
     """Return what `solve_ball_of_bearing` returns, for several radial displacements of the inner ring [m]."""
     loads = [contact_loads_of_ball(bearing, axial_force, float(u)) for u in radial_displacements]
-    problems = [ball_motion_problem(bearing, load, ball_contacts(bearing, load)) for load in loads]
+    problems = [
+        ball_motion_problem(bearing, load, screw_motion.contact_ellipses_of_screw(bearing, load.force)) for load in loads
+    ]
     return [
-        BearingBallSolution(bearing, load, problem.contacts, problem, motion, inner_ring_torque(bearing, load, motion))
+        BearingBallSolution(bearing, load, problem, motion, inner_ring_torque(bearing, load, motion))
         for load, problem, motion in zip(loads, problems, equilibrium.least_dissipations(problems), strict=True)
     ]
 
@@ -255,9 +236,7 @@ def solve_ball_by_lin_method(
         Lin's sigmoid friction law.
     """
     least = solve_ball_of_bearing(replace(bearing, hertz="as printed"), axial_force, radial_displacement)
-    motion = equilibrium.motion_by_root(least.problem, law, least.motion.unknown_velocities)
-    if motion.status != "exact":
-        motion = equilibrium.motion_by_sharpened_sigmoids(least.problem, law, least.motion.unknown_velocities)
+    motion = equilibrium.motion_by_sigmoid(least.problem, law, least.motion.unknown_velocities)
     return replace(least, motion=motion, inner_ring_torque=motion.loss / bearing.screw_speed)
 
 

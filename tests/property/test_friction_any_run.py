@@ -42,7 +42,7 @@ def test_energy_order_and_forces(seed):
     assert h.axial == pytest.approx(np.full(h.time.size, scene.loads[0].force[2]), rel=1e-8)
     for track in h.setting.tracks:
         gap, force = h.gap[:, track.balls], h.ball_force[:, track.balls]
-        free = track.ring - h.setting.balls.touching_spacing[track.balls].sum()
+        free = track.ring - h.setting.spacing[track.balls].sum()
         assert gap.min() >= 0.0
         assert gap.sum(axis=1) == pytest.approx(np.full(h.time.size, free), abs=1e-9)
         assert force.min() >= 0.0

@@ -38,9 +38,12 @@ def simulate_friction_over_time(
     except ValueError as error:
         advice = "give the circuits more room by [circulation]"
         raise SceneNotCoveredError(scene.name, "circulation", str(error), advice) from error
-    ahead = float(np.sign(balls.grooves.nominal_orbit - balls.grooves.nut_speed)) or 1.0
+    ahead = float(np.sign(balls.groove.nominal_orbit - balls.groove.nut_speed)) or 1.0
     loads = load_solver_for_travelling_balls(model, ahead)
-    setting = SceneInMotion(scene, friction, motion, drawn, balls, partial(loads, scene))
+    solve = partial(loads, scene)
+    setting = SceneInMotion(
+        **vars(balls), scene=scene, friction=friction, drive=motion, random_errors=drawn, solve_contact_loads=solve
+    )
     return simulate_with_several_step_sizes(setting, motion, time, scene.name)
 
 

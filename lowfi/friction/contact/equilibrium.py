@@ -26,11 +26,8 @@ from rollbench.lowfi.friction.contact.loads import minimise_energy, one_group
 from rollbench.lowfi.friction.contact.normal_force import BallContactArrays
 from rollbench.meshes.arrays import Array, Mask
 
-#: Largest unbalanced force, divided by the sum of all forces, at which the search for contact loads ends, and up to which
-#: its result counts as converged.
-GOAL, ACCEPTED = 1e-13, 1e-8
-#: Largest number of Newton steps in the search for contact loads.
-STEPS = 600
+#: Largest unbalanced force, divided by the sum of all forces, up to which contact loads count as converged.
+ACCEPTED = 1e-8
 
 
 @dataclass(frozen=True)
@@ -80,61 +77,10 @@ def solve_contact_loads(
     angles
         Function that computes contact angles ``(N, 4)`` [rad] from contact normals ``(N, 4, 2)``.
     """
-    balls, bodies, state, steps = minimise_energy(
-        one_group(cell), np.array([total_force]), ball[None], inner[None], GOAL, STEPS
-    )
+    balls, bodies, state, steps = minimise_energy(one_group(cell), np.array([total_force]), ball[None], inner[None])
     left, force = float(state.imbalance[0]), state.force[0]
     good = left <= ACCEPTED * (total_force + float(force.sum()))
     return ContactLoadSolution(force, angles(state.normal[0]), balls[0], bodies[0], left, steps, good)
-
-
-def solve_contact_loads_of_each_ball(
-    start: Array,
-    interference: Array,
-    C: Array,
-    inner_direction: Array,
-    applied_forces: Array,
-    starting_displacements: Array,
-) -> tuple[Array, Array, Array, Array]:
-    """Return the contact loads of N independent balls, each between its own inner body and the fixed outer body.
-
-    Parameters
-    ----------
-    start
-        Vectors from the grooves' centres of curvature to the ball's centre along x, z, before any displacement ``(N, 4,
-        2)`` [m].
-    interference
-        Interference of ball and groove before any displacement, negative for clearance ``(N, 4)`` [m].
-    C
-        Hertz constants C of the approach C F^(2/3) ``(N, 4)`` [m/N^(2/3)].
-    inner_direction
-        Directions along x, z in which the inner bodies move ``(N, 2)``.
-    applied_forces
-        Applied forces: on the ball along x, z, and on the inner body along its motion ``(N, 3)`` [N].
-    starting_displacements
-        Displacements of ball (x, z) and inner body from which the search begins ``(N, 3)`` [m].
-
-    Returns
-    -------
-    tuple[Array, Array, Array, Array]
-        Displacements of ball and inner body ``(N, 3)`` [m], contact loads ``(N, 4)`` [N], contact normals along x, z
-        ``(N, 4, 2)``, and largest unbalanced force ``(N,)`` [N].
-    """
-    push, pull = np.split(applied_forces, [2], axis=1)
-    balls = BallContactArrays(
-        groove_to_ball_vectors=start[:, None],
-        interference=interference[:, None],
-        C=C[:, None],
-        inner_displacement_maps=inner_direction[:, None, :, None],
-        given_inner_displacement=np.zeros((len(start), 1, 2)),
-        ball_forces=push[:, None],
-        inner_body_forces=pull,
-        groove_ball_centre_distance=np.linalg.norm(start, axis=-1).min(axis=1),
-    )
-    ball, inner = np.split(starting_displacements, [2], axis=1)
-    load = np.abs(applied_forces).sum(axis=1)
-    ball, inner, state, _ = minimise_energy(balls, load, ball[:, None], inner, GOAL, STEPS)
-    return np.column_stack([ball[:, 0], inner]), state.force[:, 0], state.normal[:, 0], state.imbalance
 
 
 #: Values of ``BodyMotion.status``, in the order of the codes in ``least_dissipation``.
@@ -258,22 +204,6 @@ def least_dissipations(problems: Sequence[BodyMotionProblem], start: Array | Non
     return out
 
 
-def motion_without_friction_forces(motion: BodyMotion) -> BodyMotion:
-    """Return the same motion of a body with friction forces and losses of zero.
-
-    This is the limit for a coefficient of friction that tends to zero, because with given normal loads the motion does
-    not depend on the coefficient.
-
-    Parameters
-    ----------
-    motion
-        Motion of a body with its friction forces.
-    """
-    f = motion.friction
-    none = ContactFriction(np.zeros_like(f.force), np.zeros_like(f.moment), np.zeros_like(f.loss))
-    return replace(motion, friction=none, imbalance=0.0)
-
-
 def motion_by_root(problem: BodyMotionProblem, law: FrictionLaw, start: Array) -> BodyMotion:
     """Return the motion of a body at which its friction balances, as a root found by MINPACK's hybrid method.
 
@@ -294,7 +224,7 @@ def motion_by_root(problem: BodyMotionProblem, law: FrictionLaw, start: Array) -
 
     def residual(p: Array) -> Array:
         """Return the unbalanced generalised forces over the sum of friction bounds, for scaled unknowns p ``(n,)``."""
-        friction = law.friction(problem.contacts, problem.contact_motions_at(p / units))
+        friction = law(problem.contacts, problem.contact_motions_at(p / units))
         return np.asarray(problem.unbalanced_forces(friction) / (units * scale))
 
     from scipy.optimize import root
@@ -302,7 +232,7 @@ def motion_by_root(problem: BodyMotionProblem, law: FrictionLaw, start: Array) -
     solution = root(residual, np.asarray(start, dtype=float) * units, method="hybr", options=HYBRID)
     q = np.asarray(solution.x / units)
     motion = problem.contact_motions_at(q)
-    friction = law.friction(problem.contacts, motion)
+    friction = law(problem.contacts, motion)
     left = float(np.max(np.abs(problem.unbalanced_forces(friction) / units)))
     return BodyMotion(
         unknown_velocities=q,
@@ -315,22 +245,26 @@ def motion_by_root(problem: BodyMotionProblem, law: FrictionLaw, start: Array) -
     )
 
 
-def motion_by_sharpened_sigmoids(problem: BodyMotionProblem, law: SigmoidLaw, start: Array) -> BodyMotion:
-    """Return the motion of a body in force balance under Lin's sigmoid law, found over sigmoids of increasing sharpness.
+def motion_by_sigmoid(problem: BodyMotionProblem, law: SigmoidLaw, start: Array) -> BodyMotion:
+    """Return the motion of a body in force balance under Lin's sigmoid law, by `motion_by_root`.
 
-    The root for each sigmoid is the start of the next search (`motion_by_root`); the last sigmoid is ``law``. This is
-    not Lin's method, but it finds the roots that his table prints where the direct search fails. After a failure the
-    step in sharpness is reduced; if it becomes too small, the last motion is returned with the status "failed".
+    Where this direct search fails, the root is found over sigmoids of increasing sharpness: the root for each is the start
+    of the next search; the last sigmoid is ``law``. This is not Lin's method, but it finds the roots that his table prints.
+    After a failure the step in sharpness is reduced; if it becomes too small, the last motion is returned with the status
+    "failed".
 
     Parameters
     ----------
     problem
         Contacts, kinematics and forces.
     law
-        Lin's sigmoid, the sharpest of the sequence.
+        Lin's sigmoid.
     start
         Values of the unknowns ``(n,)`` from which the search begins.
     """
+    direct = motion_by_root(problem, law, start)
+    if direct.status == "exact":
+        return direct
     share, factor, calls = 0.05, 1.4, 0
     q = np.asarray(start, dtype=float)
     while True:

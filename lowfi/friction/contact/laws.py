@@ -7,8 +7,8 @@ vz, spin), so that its points slide with (vx + spin z, vz - spin x). The frictio
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -189,32 +189,10 @@ def error_of_linear_friction_force(axis_ratio: ArrayLike, force_slope: ArrayLike
     return np.asarray(np.maximum(np.abs(slope / start - 1.0), np.abs(slope / end - 1.0)))
 
 
-class FrictionLaw(Protocol):
-    """Interface of a friction law, which gives the friction of contacts that slide and spin."""
-
-    def friction(self, at: EllipticalContacts, motion: Array) -> ContactFriction:
-        """Return the friction on the moving body at each of n contacts.
-
-        ``at``: ellipses, loads and coefficients of friction; ``motion``: sliding vx, vz along the semi-axes a, b [m/s]
-        and spin [rad/s] of the contacts ``(n, 3)``.
-        """
-
-
-@dataclass(frozen=True)
-class CoulombLaw:
-    """Coulomb's law, by default exact: the traction is mu p v/sqrt(|v|^2 + speed^2) with a regularising speed.
-
-    mu is the coefficient of friction, p the Hertz pressure, and v the local sliding velocity. Exact friction is zero at
-    rest, where it is not determined. The dissipated power is convex in the motion, and exceeds that of exact friction by at
-    most mu F times the regularising speed, with the normal force F.
-    """
-
-    #: Regularising speed [m/s]: at sliding speeds far below it, friction is proportional to the sliding speed.
-    regularising_speed: float = 0.0
-
-    def friction(self, at: EllipticalContacts, motion: Array) -> ContactFriction:
-        """Return the friction of n contacts at the given motion by exact integrals over their ellipses."""
-        return friction_forces(at, motion, self.regularising_speed)
+#: Friction law: the friction on the moving body at each of n contacts, from their ellipses, loads and coefficients of
+#: friction, and their motion: sliding vx, vz along the semi-axes a, b [m/s] and spin [rad/s] ``(n, 3)``. Coulomb's law is
+#: `friction_forces`.
+FrictionLaw = Callable[[EllipticalContacts, Array], ContactFriction]
 
 
 @dataclass(frozen=True)
@@ -233,25 +211,17 @@ class SigmoidLaw:
     #: Step in c/a of Lin's table of friction forces, in which he interpolates linearly; None for exact integrals. c is the
     #: distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a.
     map_spacing: float | None = None
-    #: Whether the sigmoid is a function of abs(spin). If the sigmoid is one of the signed spin, as printed in Lin's eq.
-    #: (3.19), the sign enters twice, and friction does not change its sign with the motion.
-    uses_spin_magnitude: bool = True
 
-    def sigmoid_of_spin(self, spin: Array) -> Array:
-        """Return the sigmoid Sig(k_S spin/reference) at each ``spin`` [rad/s].
+    def __call__(self, at: EllipticalContacts, motion: Array) -> ContactFriction:
+        """Return Coulomb friction of n contacts at the given motion, exact or interpolated, times the sigmoid.
 
-        The sigmoid is computed as a hyperbolic tangent, which cannot overflow.
+        The sigmoid of the spin's magnitude is computed as a hyperbolic tangent, which cannot overflow.
         """
-        x = np.abs(spin) if self.uses_spin_magnitude else spin
-        return np.asarray(np.tanh(0.5 * self.sharpness * x / self.reference_spin))
-
-    def friction(self, at: EllipticalContacts, motion: Array) -> ContactFriction:
-        """Return Coulomb friction of n contacts at the given motion, exact or interpolated, times the sigmoid."""
         full = friction_forces(at, motion, 0.0)
         if self.map_spacing is not None:
             full = interpolated_friction(at, motion, self.map_spacing, full)
-        s = self.sigmoid_of_spin(motion[:, 2])
-        return ContactFriction(force=full.force * s[:, None], moment=full.moment * s, loss=full.loss * np.abs(s))
+        s = np.tanh(0.5 * self.sharpness * np.abs(motion[:, 2]) / self.reference_spin)
+        return ContactFriction(force=full.force * s[:, None], moment=full.moment * s, loss=full.loss * s)
 
 
 def interpolated_friction(

@@ -21,8 +21,9 @@ LONGEST_STEP = 0.3
 #: Stiffness on the diagonal of Newton's equations, which gives balls without contact a finite step, as a fraction of the
 #: largest contact stiffness, and of the applied forces (at least ``LEAST_FORCE`` [N]) over the distance of the centres.
 FLOOR, LEAST_FORCE = 1e-12, 1e-9
-#: Largest number of trials of a step.
-HALVINGS = 50
+#: Largest number of trials of a step, and of Newton steps; ratio of the largest unbalanced force to the sum of all forces
+#: at which a search ends.
+HALVINGS, STEPS, GOAL = 50, 600, 1e-13
 
 
 class GroupState(NamedTuple):
@@ -90,11 +91,11 @@ def newton_step_of_groups(groups: BallContactArrays, state: GroupState, floor: A
 
 
 def minimise_energy(
-    groups: BallContactArrays, load: Array, ball: Array, inner: Array, goal: float, limit: int
+    groups: BallContactArrays, load: Array, ball: Array, inner: Array
 ) -> tuple[Array, Array, GroupState, int]:
     """Return displacements of balls ``(K, N, 2)`` and inner bodies ``(K, m)`` of least energy, the state there, and steps.
 
-    A search ends when the largest unbalanced force is at most ``goal`` times the sum of all forces, after ``limit`` steps,
+    A search ends when the largest unbalanced force is at most `GOAL` times the sum of all forces, after `STEPS` steps,
     or when round-off prevents a further decrease of energy and imbalance.
 
     Parameters
@@ -105,10 +106,6 @@ def minimise_energy(
         Sums of the magnitudes of the applied forces ``(K,)`` [N].
     ball, inner
         Displacements from which the search begins [m].
-    goal
-        Largest unbalanced force over the sum of all forces.
-    limit
-        Largest number of Newton steps.
     """
     count, n, _ = ball.shape
     x = np.concatenate([ball.reshape(count, 2 * n), inner], axis=1)
@@ -123,8 +120,8 @@ def minimise_energy(
 
     state, moving, steps = state_of_groups(groups, *parts(x)), np.ones(count, dtype=bool), 0
     reach = groups.groove_ball_centre_distance
-    while steps < limit:
-        moving &= state.imbalance > goal * (load + state.force.sum(axis=(1, 2)))
+    while steps < STEPS:
+        moving &= state.imbalance > GOAL * (load + state.force.sum(axis=(1, 2)))
         on = np.flatnonzero(moving)
         if not on.size:
             break

@@ -83,7 +83,7 @@ def arrays_for_contact_loads(cell: BallsBetweenGrooves) -> BallContactArrays:
     )
 
 
-def _starting_displacements(cell: BallsBetweenGrooves) -> tuple[Array, Array]:
+def starting_displacements(cell: BallsBetweenGrooves) -> tuple[Array, Array]:
     """Return displacements to start the search for contact loads: of N balls ``(N, 2)``, then of the screw ``(m,)`` [m].
 
     The screw moves along its load by four times the approach under equal loads of all balls, plus the clearance, and
@@ -121,7 +121,7 @@ def solve_screw_contact_loads(
         + np.linalg.norm(cell.screw_friction_forces)
         + np.sum(np.abs(cell.ball_friction_forces))
     )
-    begin = _starting_displacements(cell) if start is None else start
+    begin = starting_displacements(cell) if start is None else start
     settled = equilibrium.solve_contact_loads(arrays_for_contact_loads(cell), load, *begin, contact_angles)
     # from a distant start a nearly unloaded ball may creep along a flat energy
     return settled if settled.converged or start is None else solve_screw_contact_loads(cell)

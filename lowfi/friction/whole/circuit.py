@@ -306,9 +306,9 @@ class BallsInCircuits:
     #: Azimuth of each ball in the nut's frame at the start ``(N,)`` [rad].
     azimuth: Array
     #: Difference of the azimuths that each ball and the next ball of its circuit have if the two touch ``(N,)`` [rad].
-    touching_spacing: Array
+    spacing: Array
     #: Grooves of screw and nut without geometric errors.
-    grooves: SceneGrooves
+    groove: SceneGrooves
 
     def gaps_to_next_balls(self, azimuth: Array) -> Array:
         """Return the gap between each ball and the next one of its circuit, as an azimuth ``(N,)`` [rad]; < 0: overlap.
@@ -319,7 +319,7 @@ class BallsInCircuits:
         for track in self.tracks:
             balls = track.balls
             out[balls] = np.diff(azimuth[balls], append=azimuth[balls.start] + track.ring)
-        return np.asarray(out - self.touching_spacing)
+        return np.asarray(out - self.spacing)
 
     def fold_into_circuits(self, azimuth: Array) -> tuple[Array, Mask]:
         """Return the azimuths of all balls within one revolution of their circuits, then which are on a loaded arc.

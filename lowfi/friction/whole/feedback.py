@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rollbench.lowfi.friction.contact.descent import move_along_steps
-from rollbench.lowfi.friction.contact.equilibrium import solve_contact_loads_of_each_ball
+from rollbench.lowfi.friction.contact.loads import groups_at, minimise_energy
+from rollbench.lowfi.friction.contact.normal_force import BallContactArrays
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.lowfi.friction.screw.motion import AndersonAcceleration
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_with_loads
@@ -41,28 +42,14 @@ DISPLACED, ANOTHER = 3.0, 1e-3
 JAMMED = 0.3
 
 
-class PositionsInGrooves(NamedTuple):
-    """Positions of N balls relative to their four grooves in the static state without friction."""
-
-    #: Vector from the centre of each groove's profile to the ball's centre, along x3 and z3 ``(N, 4, 2)`` [m].
-    groove_to_ball_vectors: Array
-    #: Distance of the ball's centre from the centre of each groove's profile where ball and groove just touch ``(N, 4)``
-    #: [m].
-    touching_distance: Array
-    #: Hertz constants C of the approach C F^(2/3) at a contact force F ``(N, 4)`` [m/N^(2/3)].
-    C: Array
-    #: Direction of the screw's axis in the axes x3, y3, z3 of each ball's section ``(N, 3)``.
-    screw_axis_direction: Array
-
-
-def positions_in_grooves(contacts: StaticContacts, C: Array, reach: Array, centre: Array) -> PositionsInGrooves:
+def positions_in_grooves(contacts: StaticContacts, C: Array, reach: Array, centre: Array) -> BallContactArrays:
     """Return the positions of N balls relative to their grooves without friction, from their contact loads and angles.
 
     A flank without contact is assumed to move with the other flank of the same body. A ball without load keeps its
     nominal position. ``contacts``: contacts of the balls; ``C``: Hertz constants of the approach C F^(2/3) ``(N, 4)``
     [m/N^(2/3)]; ``reach``: distance of the ball's centre from the centre of each groove's profile where ball and groove
     just touch ``(N, 4)`` [m]; ``centre``: centres of the profiles along x3 (radial) and z3 (binormal) ``(N, 4, 2)``
-    [m].
+    [m]. Each of the N balls is a group of its own, with the screw that moves along its axis; no forces are applied.
     """
     squeeze = C * np.cbrt(contacts.force) ** 2
     away = (reach + squeeze)[..., None] * contacts.normals[..., [0, 2]]
@@ -71,10 +58,20 @@ def positions_in_grooves(contacts: StaticContacts, C: Array, reach: Array, centr
     free = (contacts.force == 0.0) & (contacts.force[:, other] > 0.0)
     away = np.where(free[..., None], by_other, away)
     reach = np.where(free, np.maximum(reach, np.hypot(away[..., 0], away[..., 1])), reach)
-    return PositionsInGrooves(away, reach, C, np.asarray(contacts.section_axes[:, :, 2]))
+    distance, none = np.hypot(away[..., 0], away[..., 1]), np.zeros((len(C), 1, 2))
+    return BallContactArrays(
+        groove_to_ball_vectors=away[:, None],
+        interference=(distance - reach)[:, None],
+        C=C[:, None],
+        inner_displacement_maps=contacts.section_axes[:, None, [0, 2], 2, None],
+        given_inner_displacement=none,
+        ball_forces=none,
+        inner_body_forces=none[:, 0, :1],
+        groove_ball_centre_distance=np.linalg.norm(away, axis=-1).min(axis=1),
+    )
 
 
-def positions_in_grooves_with_errors(contacts: StaticContacts, drawn: GeometryWithErrors, C: Array) -> PositionsInGrooves:
+def positions_in_grooves_with_errors(contacts: StaticContacts, drawn: GeometryWithErrors, C: Array) -> BallContactArrays:
     """Return the positions of N balls relative to grooves with geometric errors.
 
     ``contacts``: contacts of the balls; ``drawn``: radii, groove centres and groove profiles with random errors; ``C``:
@@ -87,15 +84,14 @@ def positions_in_grooves_with_errors(contacts: StaticContacts, drawn: GeometryWi
     return positions_in_grooves(contacts, C, reach, drawn.groove_centres)
 
 
-def _unbalanced_forces(contacts: StaticContacts, along: Array, applied: Array) -> Array:
+def _unbalanced_forces(contacts: StaticContacts, applied: Array) -> Array:
     """Return the unbalanced forces on each ball and on the screw, contact forces less applied forces ``(N, 3)`` [N].
 
     The three values are the forces on the ball along x3 (radial) and z3 (binormal), and on the screw along its axis.
-    ``along``: direction of the screw's axis in x3, z3 ``(N, 2)``; ``applied``: applied forces, in the order of the result
-    ``(N, 3)`` [N].
+    ``applied``: applied forces, in the order of the result ``(N, 3)`` [N].
     """
     push = contacts.force[..., None] * contacts.normals[..., [0, 2]]
-    screw = -np.einsum("nsi,ni->n", push[:, ON_SCREW], along)
+    screw = -np.einsum("nsi,ni->n", push[:, ON_SCREW], contacts.section_axes[:, [0, 2], 2])
     return np.column_stack([push.sum(axis=1), screw]) - applied
 
 
@@ -125,8 +121,8 @@ class DisplacedBalls(NamedTuple):
 
     #: The N balls at the contact loads without friction.
     still: BallsUnderLoad
-    #: Positions of the balls relative to their grooves without friction.
-    place: PositionsInGrooves
+    #: Positions of the balls relative to their grooves without friction, by `positions_in_grooves_with_errors`.
+    place: BallContactArrays
     #: Motion and friction of the balls at these contact loads; None if they are not known.
     friction: BallFriction | None = None
     #: Friction of a similar state ``(N, 3)`` [N] (`FrictionEquilibrium.friction_on_balls_and_screw`), at which the
@@ -156,10 +152,10 @@ class _BallsOfGroups:
         sizes = [balls.contacts.force.shape[0] for balls in self.groups]
         self.count, self.group_of_ball = sum(sizes), np.repeat(np.arange(len(sizes)), sizes)
         self.frictionless = self.contacts = StaticContacts.joined([balls.contacts for balls in self.groups])
-        self.place = PositionsInGrooves(*map(np.concatenate, zip(*(group.place for group in groups), strict=True)))
-        self.along, self.loaded = self.place.screw_axis_direction[:, [0, 2]], self.contacts.force.sum(axis=1) > 0.0
+        self.cells = BallContactArrays(*map(np.concatenate, zip(*(group.place for group in groups), strict=True)))
+        self.loaded = self.contacts.force.sum(axis=1) > 0.0
         self.friction, self.shift = np.zeros((self.count, 3)), np.zeros((self.count, 3))
-        self.still = _unbalanced_forces(self.contacts, self.along, self.friction)
+        self.still = _unbalanced_forces(self.contacts, self.friction)
         self.q, self.failed = np.full((self.count, 4), np.nan), np.zeros(self.count, dtype=bool)
         for part, group in zip(self.parts(np.arange(self.count)), groups, strict=True):
             if group.starting_friction is not None:
@@ -176,15 +172,14 @@ class _BallsOfGroups:
     def settle(self, balls: Index) -> None:
         """Bring some balls into equilibrium with the friction that is assumed on them; write contacts and displacements."""
         forces = self.still[balls] + self.friction[balls]
-        away = self.place.groove_to_ball_vectors[balls]
-        pressed = np.hypot(away[..., 0], away[..., 1]) - self.place.touching_distance[balls]
-        x, force, normal, left = solve_contact_loads_of_each_ball(
-            away, pressed, self.place.C[balls], self.along[balls], forces, self.shift[balls]
-        )
+        cells = groups_at(self.cells, balls)._replace(ball_forces=forces[:, None, :2], inner_body_forces=forces[:, 2:])
+        ball, inner = np.split(self.shift[balls], [2], axis=1)
+        ball, inner, state, _ = minimise_energy(cells, np.abs(forces).sum(axis=1), ball[:, None], inner)
+        force = state.force[:, 0]
         scale = np.maximum(force.sum(axis=1), self.frictionless.force[balls].sum(axis=1))
-        self.shift[balls], self.failed[balls] = x, left > 1e-8 * scale
+        self.shift[balls], self.failed[balls] = np.column_stack([ball[:, 0], inner]), state.imbalance > 1e-8 * scale
         new_force, angle = self.contacts.force.copy(), self.contacts.angle.copy()
-        new_force[balls], angle[balls] = force, contact_angles(normal)
+        new_force[balls], angle[balls] = force, contact_angles(state.normal[:, 0])
         self.contacts = contacts_with_loads(self.contacts, new_force, angle)
 
     def rolling(self, balls: Index) -> list[BallsUnderLoad]:
@@ -204,8 +199,7 @@ class _BallsOfGroups:
         ``contacts``, ``found``: contacts, and motion and friction of these balls, for each group.
         """
         self.q[balls] = np.concatenate([by_ball.ball_motions for by_ball in found])
-        axes = (self.place.screw_axis_direction[part] for part in self.parts(balls))
-        return np.concatenate([friction_on_balls_and_screw(*each) for each in zip(found, contacts, axes, strict=True)])
+        return np.concatenate([friction_on_balls_and_screw(*each) for each in zip(found, contacts, strict=True)])
 
 
 def solve_friction_equilibria(
@@ -252,10 +246,8 @@ def solve_friction_equilibria(
     final = law(rolling, [balls.q[part] for part in balls.parts(everyone)])
     out = []
     for found, at, part in zip(final, rolling, balls.parts(everyone), strict=True):
-        applied = balls.still[part] + friction_on_balls_and_screw(
-            found, at.contacts, balls.place.screw_axis_direction[part]
-        )
-        off = _unbalanced_forces(at.contacts, balls.along[part], applied)
+        applied = balls.still[part] + friction_on_balls_and_screw(found, at.contacts)
+        off = _unbalanced_forces(at.contacts, applied)
         change = np.abs(off).max(axis=1) / np.maximum(at.contacts.force.sum(axis=1), 1e-300)
         failed = balls.failed[part] | (change > ACCEPTED)
         out.append(FrictionEquilibrium(at.contacts, found, failed, float(change.max(initial=0.0)), balls.friction[part]))
@@ -294,14 +286,13 @@ def _settle_by_newton(balls: _BallsOfGroups, some: Index) -> None:
     change_of_friction(everyone, x)
 
 
-def friction_on_balls_and_screw(by_ball: BallFriction, contacts: StaticContacts, axis: Array) -> Array:
+def friction_on_balls_and_screw(by_ball: BallFriction, contacts: StaticContacts) -> Array:
     """Return the friction on each ball along x3 (radial) and z3 (binormal) and on the screw along its axis ``(N, 3)`` [N].
 
-    ``by_ball``: friction of the balls in the contacts ``contacts``; ``axis`` ``(N, 3)``: direction of the screw's axis in
-    x3, y3, z3 of each ball.
+    ``by_ball``: friction of the balls in the contacts ``contacts``.
     """
     wrench = by_ball.contact_wrenches(contacts.normals)[..., :3]
-    drag = -np.einsum("nsi,ni->n", wrench[:, ON_SCREW], axis)
+    drag = -np.einsum("nsi,ni->n", wrench[:, ON_SCREW], contacts.section_axes[:, :, 2])
     return np.column_stack([wrench[:, :, [0, 2]].sum(axis=1), drag])
 
 

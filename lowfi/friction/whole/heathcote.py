@@ -99,23 +99,9 @@ def surface_speeds_in_contacts(scene: Scene, contacts: StaticContacts, drive: Dr
     return SurfaceSpeeds(rows, added, np.stack([px, pz], axis=-1))
 
 
-class CurvedMotion(NamedTuple):
-    """Motions of least dissipation of n balls with curved contacts."""
-
-    #: Motions of the balls ``(n, 4)`` [rad/s].
-    q: Array
-    #: Friction of the ball on the body in each contact: force across and along the groove, then moment about the normal
-    #: ``(n, 4, 3)`` [N, N m].
-    pull: Array
-    #: Power lost in each contact ``(n, 4)`` [W].
-    power: Array
-    #: Largest derivative of the power of each ball by a motion, as a fraction of what full sliding would give ``(n,)``.
-    imbalance: Array
-
-
 def least_dissipation_of_curved(
     speeds: SurfaceSpeeds, strength: Array, start: Array, typical_sliding_speed: float
-) -> CurvedMotion:
+) -> tuple[Array, Array, Array, Array]:
     """Return the motion of least dissipation of each of n balls with curved contacts.
 
     The motion is found by Newton's method. The sliding speed v is regularised as sqrt(v^2 + eps^2), with eps reduced in
@@ -123,6 +109,13 @@ def least_dissipation_of_curved(
     coefficient times force [N] (if the coefficients are ratios, power and friction are in the same proportion); ``start``
     ``(n, 4)``: motions to begin from [rad/s]; ``typical_sliding_speed``: a typical sliding speed [m/s], which sets the
     scale of eps.
+
+    Returns
+    -------
+    tuple
+        Motions of the balls ``(n, 4)`` [rad/s]; friction of the ball on the body in each contact, force across and along
+        the groove, then moment about the normal ``(n, 4, 3)`` [N, N m]; power lost in each contact ``(n, 4)`` [W]; largest
+        derivative of the power of each ball by a motion, as a fraction of what full sliding would give ``(n,)``.
     """
     count, loaded = len(strength), np.flatnonzero((strength > 0.0).any(axis=0))
     mass = strength[:, loaded, None] * hertz_pressure_quadrature()[2]
@@ -170,7 +163,7 @@ def least_dissipation_of_curved(
     pull[:, loaded, :2] = parts.sum(axis=2)
     pull[:, loaded, 2] = (place[..., 1] * parts[..., 0] - place[..., 0] * parts[..., 1]).sum(axis=2)
     power[:, loaded] = (weight * np.hypot(v[..., 0], v[..., 1])).reshape(count, loaded.size, -1).sum(axis=2)
-    return CurvedMotion(q, pull, power, (gradient / np.where(bound > 0.0, bound, 1.0)).max(axis=1))
+    return q, pull, power, (gradient / np.where(bound > 0.0, bound, 1.0)).max(axis=1)
 
 
 def friction_of_curved_contacts(groups: Sequence[BallsUnderLoad], starts: Sequence[Array] = ()) -> list[BallFriction]:
@@ -201,11 +194,13 @@ def _friction_in_curved_contacts(balls: BallsUnderLoad, start: Array) -> BallFri
         rubs = pressed.force > 0.0
         slide = float(np.hypot(np.hypot(before[..., 0], before[..., 1]), pressed.a * before[..., 2])[rubs].max())
         speeds = surface_speeds_in_contacts(balls.scene, pressed, balls.drive)
-        found = least_dissipation_of_curved(speeds, share * pressed.force, start[loaded], slide)
-        q[loaded], pull[loaded], power[loaded] = found.q, -top * found.pull, top * found.power
-        motion[loaded] = np.einsum("nsij,nj->nsi", maps, found.q) + drives
-        left = float(found.imbalance.max())
-        for k, imbalance in zip(loaded, found.imbalance, strict=True):
+        found, rubs_back, lost, imbalances = least_dissipation_of_curved(
+            speeds, share * pressed.force, start[loaded], slide
+        )
+        q[loaded], pull[loaded], power[loaded] = found, -top * rubs_back, top * lost
+        motion[loaded] = np.einsum("nsij,nj->nsi", maps, found) + drives
+        left = float(imbalances.max())
+        for k, imbalance in zip(loaded, imbalances, strict=True):
             status[k] = "regularised" if imbalance <= BALANCED else "failed"
     at_rest = np.zeros((count, 4), dtype=bool)
     rigid = ball_friction_from_motions(balls.contacts, q, motion, pull, at_rest, status, left)

@@ -16,8 +16,8 @@ import numpy as np
 from rollbench.lowfi.compliance.bodies import compliance_between_contacts
 from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
-from rollbench.lowfi.friction.screw.travel import BallState, ClosedTrack, InstantSolution
-from rollbench.lowfi.friction.whole.circuit import BallsInCircuits, SceneGrooves, solve_motion_on_track
+from rollbench.lowfi.friction.screw.travel import BallState, InstantSolution
+from rollbench.lowfi.friction.whole.circuit import BallsInCircuits, solve_motion_on_track
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_all_balls, contacts_of_solution
 from rollbench.lowfi.friction.whole.feedback import (
     DisplacedBalls,
@@ -28,7 +28,7 @@ from rollbench.lowfi.friction.whole.losses import BallsUnderLoad
 from rollbench.lowfi.friction.whole.torque import axial_forces_and_moments, friction_displaces_balls
 from rollbench.lowfi.statics.nominal import ContactLoads, contact_loads
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.meshes.arrays import Array, Index, Mask
+from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import ErrorsAfterDrawing, GeometryWithErrors
 from rollbench.meshes.helix import BallLayout, ball_layout_at_positions, lead_per_radian
 from rollbench.meshes.parts import Friction, Scene, Track
@@ -151,8 +151,8 @@ class LastInstant(NamedTuple):
 
 
 @dataclass(frozen=True)
-class SceneInMotion:
-    """A screw or bearing with everything that stays constant in a transient simulation; azimuths are in the nut's frame."""
+class SceneInMotion(BallsInCircuits):
+    """Balls of a screw or bearing with everything that stays constant in a transient simulation; azimuths: nut's frame."""
 
     #: Scene of the screw or bearing.
     scene: Scene
@@ -162,8 +162,6 @@ class SceneInMotion:
     drive: Drive
     #: Random geometric errors of balls and grooves.
     random_errors: ErrorsAfterDrawing
-    #: All balls in their circuits (closed tracks).
-    balls: BallsInCircuits
     #: Function that computes the contact loads of balls with given errors at given positions.
     solve_contact_loads: Solve
 
@@ -198,12 +196,12 @@ class SceneInMotion:
         """
         scene, track = self.scene, self.scene.track
         on_screw, on_nut = self.rotations_of_screw_and_nut(time)
-        folded, loaded = self.balls.fold_into_circuits(azimuth)
-        layout, on_arc = self.balls.layout(scene, folded, on_nut), np.flatnonzero(loaded)
+        folded, loaded = self.fold_into_circuits(azimuth)
+        layout, on_arc = self.layout(scene, folded, on_nut), np.flatnonzero(loaded)
         space, station = layout.azimuth[on_arc], layout.z[on_arc]
         arc_layout = ball_layout_at_positions(track, space, station)
         in_screw, in_nut = space - on_screw, space - on_nut - scene.nut.azimuth
-        met = self.random_errors.geometry_at_balls(scene, in_screw, in_nut, station, self.balls.radius[on_arc])
+        met = self.random_errors.geometry_at_balls(scene, in_screw, in_nut, station, self.radius[on_arc])
         result = self.solve_contact_loads(met, arc_layout)
         at, status = None, "converged" if result.converged else f"contact loads: {result.status}"
         if result.converged:
@@ -215,35 +213,15 @@ class SceneInMotion:
                 push[on_arc], at = fed.friction_on_balls_and_screw, fed.contacts
                 if fed.failed_balls.any():
                     status = f"friction and position do not agree on {int(fed.failed_balls.sum())} balls"
-        return contacts_of_all_balls(at, layout, on_arc, self.balls.radius, track.contact_angle), loaded, status
-
-    @property
-    def groove(self) -> SceneGrooves:
-        """Grooves of screw and nut without errors, with their speeds."""
-        return self.balls.grooves
-
-    @property
-    def tracks(self) -> tuple[ClosedTrack, ...]:
-        """Closed tracks of the balls, one for each circuit."""
-        return self.balls.tracks
-
-    @property
-    def spacing(self) -> Array:
-        """Difference of the azimuths of each ball and the next one if they touch ``(N,)`` [rad]."""
-        return self.balls.touching_spacing
-
-    @property
-    def number(self) -> Index:
-        """Numbers of the balls in the scene ``(N,)``; -1 for a ball that is in the return tube at the start."""
-        return self.balls.number
+        return contacts_of_all_balls(at, layout, on_arc, self.radius, track.contact_angle), loaded, status
 
     def state_at_start(self) -> BallState:
         """Return the state at the start of the simulation: balls at the scene's positions, rolling at the nominal speed."""
-        count, nut = self.balls.radius.size, self.groove.nut_speed
+        count, nut = self.radius.size, self.groove.nut_speed
         nominal = self.groove.nominal_orbit - nut
         memory = LastInstant(np.tile([nominal + nut, 0.0, 0.0, 0.0], (count, 1)), np.zeros(count), np.zeros((count, 3)))
-        gap = np.maximum(self.balls.gaps_to_next_balls(self.balls.azimuth), 0.0)
-        return BallState(self.balls.azimuth, gap, np.full(count, nominal), memory)
+        gap = np.maximum(self.gaps_to_next_balls(self.azimuth), 0.0)
+        return BallState(self.azimuth, gap, np.full(count, nominal), memory)
 
     def time_to_next_arc_end(self, azimuth: Array, omega: Array, time: float) -> float:  # noqa: ARG002 - arcs are fixed in the nut
         """Return the time until a ball reaches an end of its loaded arc [s]; infinite for a bearing, which has no ends.

@@ -61,7 +61,7 @@ def friction_with_neighbours(
     order = all_balls.number[on_arc]
     layout = all_balls.layout(scene, all_balls.azimuth)
     full = contacts_of_all_balls(contacts.subset(order), layout, on_arc, all_balls.radius, track.contact_angle)
-    gap = all_balls.gaps_to_next_balls(all_balls.azimuth) * all_balls.grooves.pair.closing_speed_factor
+    gap = all_balls.gaps_to_next_balls(all_balls.azimuth) * all_balls.groove.pair.closing_speed_factor
     slack = np.where(gap <= TOUCHING, 0.0, np.inf)
     least = np.inf
     q, force, status = np.full((order.size, 4), np.nan), np.zeros(order.size), ["no load"] * order.size
@@ -75,7 +75,7 @@ def friction_with_neighbours(
         limit = np.where(free, np.inf, slack[members])
         least = min(least, float(np.min(np.where(free, np.inf, gap[members]))))
         touching += int(np.sum(limit == 0.0))
-        moved = solve_motion_on_track(scene, full.subset(members), limit, friction, drive, all_balls.grooves, None)
+        moved = solve_motion_on_track(scene, full.subset(members), limit, friction, drive, all_balls.groove)
         kept, to = number >= 0, number[number >= 0]
         pressed = contacts.force[to].sum(axis=1) > 0.0
         q[to] = np.where(pressed[:, None], moved.q[kept], np.nan)
@@ -259,7 +259,7 @@ def friction_of_curved_contacts(
     still = balls._replace(contacts=contacts_of_result(case.scene, case.result, case.member))
     drawn = draw_geometry_with_errors(case.scene, still.contacts.layout, case.member)
     place = feedback.positions_in_grooves_with_errors(still.contacts, drawn, case.result.hertz_C)
-    begin = feedback.friction_on_balls_and_screw(flat, state.contacts, place.screw_axis_direction)
+    begin = feedback.friction_on_balls_and_screw(flat, state.contacts)
     balls_and_start = feedback.DisplacedBalls(still, place, None, begin, flat.ball_motions)
     (found,) = feedback.solve_friction_equilibria([balls_and_start], heathcote.friction_of_curved_contacts)
     status = tuple("failed" if bad else word for word, bad in zip(found.friction.status, found.failed_balls, strict=True))

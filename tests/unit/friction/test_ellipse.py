@@ -168,27 +168,25 @@ def test_sigmoid_as_printed_and_its_faults():
     at, m = SLENDER, np.array([[0.0, 0.3, 0.02]])
     law, e = laws.SigmoidLaw(100.0, 10.0), np.exp(100.0 * 0.02 / 10.0)
     factor = 2.0 * e / (e + 1.0) - 1.0  # Lin 3.20
-    assert law.friction(at, m).force == pytest.approx(factor * laws.CoulombLaw().friction(at, m).force, rel=1e-13)
-    assert np.all(law.friction(at, m * [0.0, 1.0, 0.0]).force == 0.0), "sliding without spin is frictionless"
-    assert law.friction(at, -m).force == pytest.approx(-law.friction(at, m).force, rel=1e-13)
-    literal = laws.SigmoidLaw(100.0, 10.0, uses_spin_magnitude=False)
-    assert literal.friction(at, -m).force == pytest.approx(literal.friction(at, m).force, rel=1e-13)
-    assert np.all(np.isfinite(laws.SigmoidLaw(1e6, 1e-3).friction(at, m).force))
+    assert law(at, m).force == pytest.approx(factor * laws.friction_forces(at, m).force, rel=1e-13)
+    assert np.all(law(at, m * [0.0, 1.0, 0.0]).force == 0.0), "sliding without spin is frictionless"
+    assert law(at, -m).force == pytest.approx(-law(at, m).force, rel=1e-13)
+    assert np.all(np.isfinite(laws.SigmoidLaw(1e6, 1e-3)(at, m).force))
 
 
 def test_interpolated_maps():
     """Linear between the multiples of the step, equal at them; exact again as the step falls."""
-    at, exact = SLENDER, laws.CoulombLaw().friction
+    at, exact = SLENDER, laws.friction_forces
     coarse = laws.SigmoidLaw(1e9, 1.0, map_spacing=0.08)
     on = motion_of_rotation_about_point(2.0, 0.16, 0.0)
-    assert coarse.friction(at, on).loss == pytest.approx(exact(at, on).loss, rel=1e-12)
+    assert coarse(at, on).loss == pytest.approx(exact(at, on).loss, rel=1e-12)
     off = motion_of_rotation_about_point(-2.0, 0.2, 0.0)
     ends = [exact(at, motion_of_rotation_about_point(-2.0, c, 0.0)) for c in (0.16, 0.24)]
-    got = coarse.friction(at, off)
+    got = coarse(at, off)
     for name in ("loss", "force", "moment"):
         assert getattr(got, name) == pytest.approx(0.5 * sum(getattr(end, name) for end in ends), rel=1e-12)
     assert abs(got.loss[0] / exact(at, off).loss[0] - 1.0) > 1e-4
-    assert replace(coarse, map_spacing=1e-4).friction(at, off).loss == pytest.approx(exact(at, off).loss, rel=1e-7)
-    assert np.all(coarse.friction(at, np.array([[0.0, 1.0, 0.0]])).loss == 0.0)
+    assert replace(coarse, map_spacing=1e-4)(at, off).loss == pytest.approx(exact(at, off).loss, rel=1e-7)
+    assert np.all(coarse(at, np.array([[0.0, 1.0, 0.0]])).loss == 0.0)
     with pytest.raises(ValueError, match="major axis"):
-        coarse.friction(at, np.array([[0.1, 1.0, 1.0]]))
+        coarse(at, np.array([[0.1, 1.0, 1.0]]))

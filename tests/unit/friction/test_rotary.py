@@ -11,6 +11,7 @@ from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction import bearing as friction_bearing
 from rollbench.lowfi.friction.contact import equilibrium
 from rollbench.lowfi.friction.contact.laws import contacts_from_values
+from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw
 
 BEARING = source_cases.rotary_ball_scene("I").bearing
 DIAGONAL = np.stack([friction_bearing.AXIAL, friction_bearing.RADIAL], axis=1) * np.sqrt(0.5)
@@ -134,10 +135,8 @@ def test_energy_balance_over_random_scenes(unknowns):
         load = friction_bearing.contact_loads_of_ball(b, load_on, u_y)
         assert load.converged
         assert load.largest_unbalanced_force <= 1e-9 * (np.sum(load.force) + abs(load_on))
-        (maps, drives), contacts = (
-            friction_bearing.contact_kinematics(b, load.angle),
-            friction_bearing.ball_contacts(b, load),
-        )
+        maps, drives = friction_bearing.contact_kinematics(b, load.angle)
+        contacts = contact_ellipses_of_screw(b, load.force)
         problem = equilibrium.BodyMotionProblem(contacts, maps[..., :unknowns], drives, np.zeros(unknowns))
         balls.append((b, load, problem))
     motions = equilibrium.least_dissipations([problem for *_, problem in balls])
@@ -153,7 +152,7 @@ def test_two_points_rest_at_the_larger_ellipse():
     s = friction_bearing.solve_ball_of_bearing(BEARING, 100.0, 0.0)
     loaded, rest = s.load.force > 0.0, s.motion.sticking_contacts
     assert (np.sum(loaded), np.sum(rest)) == (2, 1)
-    larger = np.argmax(s.contacts.a * loaded)
+    larger = np.argmax(s.problem.contacts.a * loaded)
     assert rest[larger]
     assert s.motion.friction.loss[larger] == 0.0
     one, other = s.motion.friction.moment[loaded]

@@ -9,7 +9,7 @@ from tests.lin_root_oracle import balls_of_linear_bearing, linear_bearing_fricti
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.as_source import balls as chain
-from rollbench.lowfi.friction.contact.laws import CoulombLaw
+from rollbench.lowfi.friction.contact.laws import friction_forces
 from rollbench.lowfi.friction.linear import chain as linear_chain
 from rollbench.lowfi.friction.linear.bearing import contact_angle_deviations, loads_in_equilibrium
 from rollbench.lowfi.friction.screw.chain import solve_motion_of_chain
@@ -34,7 +34,7 @@ def solve_by_root(bearing, angles, loads, may_touch=True, law=None):
     """Motion of balls by the source's method, equations 3.25 to 3.31; by Coulomb's law where none is given."""
     balls = balls_of_linear_bearing(bearing, angles, loads)
     near = np.broadcast_to(np.asarray(may_touch, dtype=bool), (balls.count - 1,))
-    return chain.solve_motions_of_balls_by_root(balls, CoulombLaw() if law is None else law, near)
+    return chain.solve_motions_of_balls_by_root(balls, friction_forces if law is None else law, near)
 
 
 def both(angles, loads):

@@ -7,7 +7,7 @@ import pytest
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.as_source import screw
-from rollbench.lowfi.friction.screw.motion import solve_screw_contact_loads
+from rollbench.lowfi.friction.screw.motion import solve_screw_contact_loads, starting_displacements
 from rollbench.lowfi.friction.screw.run import Run, simulate_equal_steps
 
 TWO = np.radians(2.0)
@@ -33,8 +33,8 @@ def test_loads_are_ours(pair):
 
 def test_loads_that_are_not_found_are_not_converged():
     cell = PRINTED.balls_with_loads()
-    away = screw.starting_positions(cell)
-    lost = replace(away, screw_displacements=-away.screw_displacements)  # off the flanks: nothing has stiffness
+    ball, moved = starting_displacements(cell)
+    lost = screw.BallPositions(ball, cell.angle, -moved)  # off the flanks: nothing has stiffness
     assert not screw.solve_contact_loads_by_root(cell, lost).converged
 
 

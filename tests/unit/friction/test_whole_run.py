@@ -62,7 +62,7 @@ def test_energy_load_and_order_at_every_instant(name, motion, friction):
     np.testing.assert_allclose(h.on_screw * turning, losses - h.axial * along, atol=1e-8 * losses.min(), rtol=0.0)
     for track in h.setting.tracks:
         gap, force = h.gap[:, track.balls], h.ball_force[:, track.balls]
-        free = track.ring - h.setting.balls.touching_spacing[track.balls].sum()
+        free = track.ring - h.setting.spacing[track.balls].sum()
         assert gap.min() >= 0.0
         assert gap.sum(axis=1) == pytest.approx(np.full(h.time.size, free), abs=1e-10)
         assert force.min() >= 0.0
@@ -155,12 +155,12 @@ def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
 
 def test_balls_of_unlike_sizes_touch_where_their_radii_meet():
     balls = setting(crowded()).balls
-    grooves, between = balls.grooves, slice(balls.tracks[0].balls.start, balls.tracks[0].balls.stop - 1)
-    phi = balls.touching_spacing[between]
+    grooves, between = balls.groove, slice(balls.tracks[0].balls.start, balls.tracks[0].balls.stop - 1)
+    phi = balls.spacing[between]
     chord = np.hypot(2.0 * grooves.pitch_radius * np.sin(0.5 * phi), grooves.advance_per_radian * phi)
     radius = balls.radius[balls.tracks[0].balls]
     assert chord == pytest.approx(radius[:-1] + radius[1:], abs=2e-9)
-    assert np.ptp(balls.touching_spacing) * grooves.pair.closing_speed_factor > 1e-6
+    assert np.ptp(balls.spacing) * grooves.pair.closing_speed_factor > 1e-6
 
 
 def test_loads_again_are_those_of_a_single_solution():

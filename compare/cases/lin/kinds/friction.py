@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from math import radians
 from typing import Any
 
@@ -22,9 +23,9 @@ from rollbench.compare.studies.friction import run as friction_run
 from rollbench.lowfi.friction import bearing
 from rollbench.lowfi.friction.contact import equilibrium
 from rollbench.lowfi.friction.contact.equilibrium import BodyMotion as BallMotion
-from rollbench.lowfi.friction.contact.laws import CoulombLaw, EllipticalContacts
+from rollbench.lowfi.friction.contact.laws import ContactFriction, EllipticalContacts, friction_forces
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law
+from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw, lin_sigmoid_law
 from rollbench.lowfi.friction.screw.run import ScrewPairSolution, solve_pair_of_screw_balls, summarise_screw_run
 from rollbench.lowfi.friction.screw.travel import TravelHistory
 from rollbench.lowfi.statics.validity import contact_size_warnings
@@ -214,12 +215,10 @@ def bearing_ball_motion(scene: BearingBallScene, problem: equilibrium.BodyMotion
     if scene.law == "coulomb":
         return first
     if scene.law == "regularised":
-        return equilibrium.motion_by_root(problem, CoulombLaw(scene.creep), first.unknown_velocities)
-    law = lin_sigmoid_law(scene.bearing, scene.sharpness, scene.map_step)
-    found = equilibrium.motion_by_root(problem, law, first.unknown_velocities)
-    if found.status == "exact":
-        return found
-    return equilibrium.motion_by_sharpened_sigmoids(problem, law, first.unknown_velocities)
+        law = partial(friction_forces, regularising_speed=scene.creep)
+        return equilibrium.motion_by_root(problem, law, first.unknown_velocities)
+    sigmoid = lin_sigmoid_law(scene.bearing, scene.sharpness, scene.map_step)
+    return equilibrium.motion_by_sigmoid(problem, sigmoid, first.unknown_velocities)
 
 
 def status_of_bearing_ball(loaded: bool, balanced: bool, motion: str) -> str:
@@ -276,10 +275,12 @@ def solve_friction_of_bearing_ball(scene: BearingBallScene) -> parts.FrictionOfB
     b = scene.bearing
     load = bearing.contact_loads_of_ball(b, scene.force, scene.displacement)
     rough = replace(b, mu=b.mu or 1.0)
-    at = bearing.ball_contacts(rough, load)
+    at = contact_ellipses_of_screw(rough, load.force)
     motion = bearing_ball_motion(scene, bearing.ball_motion_problem(rough, load, at))
     if b.mu == 0.0:
-        motion = equilibrium.motion_without_friction_forces(motion)
+        f = motion.friction
+        none = ContactFriction(np.zeros_like(f.force), np.zeros_like(f.moment), np.zeros_like(f.loss))
+        motion = replace(motion, friction=none, imbalance=0.0)
     held = load.force > 0.0
     converged = bool(held.any()) and load.converged and motion.status != "failed"
     speed, torque = b.screw_speed, bearing.inner_ring_torque(b, load, motion)

@@ -140,7 +140,7 @@ def sliding_velocity_panel(case: str, solution: BearingBallSolution, title: str)
     curves = []
     for i in np.flatnonzero(solution.load.force > 0.0):
         _, vz, spin = (float(v) for v in solution.motion.contact_motions[i])
-        velocity = vz - spin * x * float(solution.contacts.a[i])
+        velocity = vz - spin * x * float(solution.problem.contacts.a[i])
         curves.append(Series(SIDES[i], floats(x), floats(velocity, 1e3), "line"))
     return Panel(f"sliding velocity, case {case}, {title}", "x / a", "velocity / mm/s", curves)
 
