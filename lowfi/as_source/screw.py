@@ -83,9 +83,9 @@ def solve_contact_loads_by_root(
     """Return the contact loads of N balls without friction, as the root of 6 N + m equations for a screw with m motions.
 
     The unknowns are two coordinates and four contact angles of each ball, and the screw's displacements. ``start``:
-    positions from which the search starts; None: those of `screw_motion.starting_displacements`. In the result, ``largest_unbalanced_force`` is
-    the largest force out of balance [N], ``steps`` the number of evaluations of the equations, and ``converged`` is
-    False if no root was found.
+    positions from which the search starts; None: those of `screw_motion.starting_displacements`. In the result,
+    ``largest_unbalanced_force`` is the largest force out of balance [N], ``steps`` the number of evaluations of the
+    equations, and ``converged`` is False if no root was found.
     """
     n = cell.angle.shape[0]
     scale, size = load_per_ball_and_its_approach(cell)

@@ -28,6 +28,7 @@ EXPLAINED = {
     ("UnresistedMotions", "UnrestrainedMotions"): "pins are coordinates of one screw, and of the bodies of a shaft",
     ("LoadedBalls", "BodyMotionProblem"): "the equations as the source prints them, and those of least dissipation",
     ("FrictionCase", "BallsUnderLoad"): "what a user asks for with its static result, and the contacts that follow from it",
+    ("BallsUnderLoad", "SceneInMotion"): "balls at known contact loads, and a screw over time, whose loads follow",
     ("ContactDissipationRatio", "DissipationState"): "one contact, and the sum over a body with its balance",
     ("ComputedBand", "DescriptorWithRange"): "a maker's value with its band, and a feature of a scene with those compared",
     ("BallScrewFrictionKeys", "BearingBallKeys"): "tables of files of two kinds of scene, each with its own ranges",
