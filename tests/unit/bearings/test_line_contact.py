@@ -6,7 +6,7 @@ from scipy.integrate import quad
 from tests.tapered_row_oracle import energy_per_length
 
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
-from rollbench.lowfi.rollers import approach_law_of_races, line_contact_half_width, line_contact_pressure
+from rollbench.lowfi.rollers import LineContactLaw, approach_law_of_races, line_contact_half_width, line_contact_pressure
 
 YOUNG, POISSON = 207e9, 0.3
 MODULUS = contact_modulus(YOUNG, POISSON, YOUNG, POISSON)
@@ -105,3 +105,17 @@ def test_slope_and_energy(q):
     work = quad(lambda d: float(LAW.line_load(d)), 0.0, float(LAW.approach(q)), epsrel=1e-10)[0]
     assert float(energy_per_length(LAW, np.array(q))) == pytest.approx(work, rel=1e-8)
     assert LAW.stiffness_per_length(0.0) == energy_per_length(LAW, np.zeros(1))[0] == LAW.approach(0.0) == 0.0
+
+
+def test_local_exponent_is_near_the_usual_ones():
+    q = np.geomspace(1e4, 3e5, 20)
+    exponent = LAW.stiffness_per_length(q) * LAW.approach(q) / q
+    assert exponent.min() > 1.07
+    assert exponent.max() < 1.14
+
+
+def test_similar_bodies_are_similar():
+    """Twice the size under the same pressure, twice the approach: what 3.19 of the source is not."""
+    twice = approach_law_of_races(8e-3, (1.0 / 40e-3, -1.0 / 56e-3), (10e-3, 10e-3), YOUNG, POISSON)
+    assert float(twice.approach(2e5)) == pytest.approx(2.0 * float(LAW.approach(1e5)), rel=1e-13)
+    assert isinstance(twice, LineContactLaw)

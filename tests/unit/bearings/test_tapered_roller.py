@@ -16,6 +16,7 @@ from tests.tapered_row_oracle import (
 from rollbench.lowfi import rollers
 from rollbench.lowfi.bearings.axis import equal_rows_with_preload, solve_bearing_row_equilibrium
 from rollbench.lowfi.bearings.tapered_roller import load_zone_integrals
+from rollbench.lowfi.hertz import contact_modulus
 
 B = rollers.TaperedBearing(16, 8.38e-3, 12.4e-3, np.radians(30.8), np.radians(4.0), 207e9, 0.3, 5e-3)
 ROW, THRUST = rollers.TaperedRow(B), 9e3
@@ -65,6 +66,28 @@ def test_cones_share_one_apex():
     assert 2.0 * B.apex_distance * np.sin(B.roller_angle) == pytest.approx(B.diameter)
     axis_radius = B.apex_distance * np.cos(B.roller_angle) * np.sin(B.cup_angle - B.roller_angle)
     assert B.pitch_diameter == pytest.approx(2.0 * axis_radius, rel=1e-14)
+
+
+def test_balance_of_the_roller_with_its_rib():
+    """Forces on the roller in an axial plane: cup, cone, rib; and thrust on the cone from race and rib together."""
+    q = 1000.0
+    rib = 2.0 * q * np.sin(B.roller_angle)
+    cup = -q * np.array([np.sin(B.cup_angle), np.cos(B.cup_angle)])  # (axial, radial)
+    cone = q * np.array([np.sin(B.cone_angle), np.cos(B.cone_angle)])
+    along = B.cup_angle - B.roller_angle
+    push = rib * np.array([np.cos(along), -np.sin(along)])
+    np.testing.assert_allclose(cup + cone + push, 0.0, atol=1e-9)
+    assert cone[0] + push[0] == pytest.approx(q * np.sin(B.cup_angle), rel=1e-12)
+
+
+def test_contacts_are_hertz_lines():
+    widths, pressures = (x[0] for x in rollers.half_widths_and_pressures_of_slices(B, np.array([1100.0 / B.length])))
+    roller, cone, cup = (float(r) for r in B.curvature_radii())
+    modulus = contact_modulus(207e9, 0.3, 207e9, 0.3)
+    for i, k in enumerate((1 / roller + 1 / cone, 1 / roller - 1 / cup)):
+        b = np.sqrt(4 * 1100.0 / B.length / (np.pi * modulus * k))
+        assert widths[i] == pytest.approx(b, rel=1e-14)
+        assert 0.5 * np.pi * b * pressures[i] * B.length == pytest.approx(1100.0, rel=1e-12)
 
 
 def test_row_under_thrust_and_a_preloaded_pair():
