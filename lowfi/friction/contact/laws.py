@@ -152,8 +152,8 @@ def cubic_friction_force_factor(axis_ratio: ArrayLike) -> Array:
     return np.asarray(k * k * (across - along) / (6.0 * (1.0 - k * k)))
 
 
-def error_of_linear_friction_force(axis_ratio: ArrayLike, force_slope: ArrayLike, reach: float = 0.5) -> Array:
-    """Return the largest relative error of a friction force that is assumed to be linear in c/a, for 0 < |c/a| <= reach.
+def error_of_linear_friction_force(axis_ratio: ArrayLike, force_slope: ArrayLike) -> Array:
+    """Return the largest relative error of a friction force that is assumed to be linear in c/a, for 0 < |c/a| <= 1/2.
 
     c is the distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a. The ratio
     of the exact force to t = c/a is k_f - g t^2 (`linear_friction_force_factor`, `cubic_friction_force_factor`). This
@@ -166,25 +166,13 @@ def error_of_linear_friction_force(axis_ratio: ArrayLike, force_slope: ArrayLike
     force_slope
         Slope of the linear law: friction force divided by mu F (coefficient of friction times normal force), per c/a;
         Lin uses 1.38.
-    reach
-        Largest |c/a| of the range, at most 1; Lin uses 0.5.
-
-    Raises
-    ------
-    ValueError
-        ``reach`` outside (0, 1].
 
     References
     ----------
     Lin (2019), 3.35 and appendix G.
     """
-    if not 0.0 < reach <= 1.0:
-        raise ValueError(
-            f"the largest c/a (distance c of the centre of rotation, semi-axis a) must lie in (0, 1], got {reach}: only "
-            "for rotation about a point of the contact ellipse is the friction force a cubic of c/a"
-        )
     start = linear_friction_force_factor(axis_ratio)
-    end = start - cubic_friction_force_factor(axis_ratio) * reach**2
+    end = start - cubic_friction_force_factor(axis_ratio) * 0.5**2
     slope = np.asarray(force_slope)
     return np.asarray(np.maximum(np.abs(slope / start - 1.0), np.abs(slope / end - 1.0)))
 

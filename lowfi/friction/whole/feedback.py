@@ -123,8 +123,6 @@ class DisplacedBalls(NamedTuple):
     still: BallsUnderLoad
     #: Positions of the balls relative to their grooves without friction, by `positions_in_grooves_with_errors`.
     place: BallContactArrays
-    #: Motion and friction of the balls at these contact loads; None if they are not known.
-    friction: BallFriction | None = None
     #: Friction of a similar state ``(N, 3)`` [N] (`FrictionEquilibrium.friction_on_balls_and_screw`), at which the
     #: iteration begins; None to begin at the static state.
     starting_friction: Array | None = None
@@ -191,15 +189,9 @@ class _BallsOfGroups:
         """Return the friction of some balls at their contacts, on each ball and the screw ``(k, 3)`` [N]; note motions."""
         rolling = self.rolling(balls)
         found = self.law(rolling, [self.q[part] for part in self.parts(balls)])
-        return self.friction_forces(balls, [balls.contacts for balls in rolling], found)
-
-    def friction_forces(self, balls: Index, contacts: Sequence[StaticContacts], found: Sequence[BallFriction]) -> Array:
-        """Return the friction on some balls and on the screw ``(k, 3)`` [N], and note their motions.
-
-        ``contacts``, ``found``: contacts, and motion and friction of these balls, for each group.
-        """
         self.q[balls] = np.concatenate([by_ball.ball_motions for by_ball in found])
-        return np.concatenate([friction_on_balls_and_screw(*each) for each in zip(found, contacts, strict=True)])
+        each = zip(found, rolling, strict=True)
+        return np.concatenate([friction_on_balls_and_screw(by_ball, at.contacts) for by_ball, at in each])
 
 
 def solve_friction_equilibria(
@@ -225,15 +217,12 @@ def solve_friction_equilibria(
     """
     if not groups:
         return []
-    balls, mixer, rounds = _BallsOfGroups(groups, law), AndersonAcceleration(2, ROUNDS), 0
+    balls, mixer = _BallsOfGroups(groups, law), AndersonAcceleration(2, ROUNDS)
     active, everyone = np.flatnonzero(balls.loaded), np.arange(balls.count)
-    known = [group.friction for group in groups if group.friction is not None]
-    while active.size and rounds < ROUNDS:
-        rounds += 1
-        if rounds == 1 and len(known) == len(groups):
-            answer = balls.friction_forces(everyone, [group.still.contacts for group in groups], known)[active]
-        else:
-            answer = balls.resulting_friction(active)
+    for _ in range(ROUNDS):
+        if not active.size:
+            break
+        answer = balls.resulting_friction(active)
         change = np.abs(answer - balls.friction[active]).max(axis=1)
         unsettled = (change > AGREED * balls.contacts.force[active].sum(axis=1)) | balls.failed[active]
         active = active[unsettled]
@@ -306,7 +295,8 @@ def balls_with_jammed_state(balls: DisplacedBalls, rolling_state: FrictionEquili
     """
     size, other = rolling_state.contacts.force.max(axis=1), np.zeros(len(rolling_state.failed_balls), dtype=bool)
     pushes = [sign * DISPLACED * size[:, None] * np.eye(3)[axis] for axis in range(2) for sign in (-1.0, 1.0)]
-    for again in solve_friction_equilibria([balls._replace(friction=None, starting_friction=push) for push in pushes]):
+    pushed = [balls._replace(starting_friction=push, starting_motions=None) for push in pushes]
+    for again in solve_friction_equilibria(pushed):
         difference = np.abs(again.contacts.force - rolling_state.contacts.force).max(axis=1)
         apart = difference > ANOTHER * np.maximum(size, 1e-300)
         other |= apart & ~again.failed_balls & ~rolling_state.failed_balls & (size > 0.0)

@@ -209,7 +209,7 @@ class SceneInMotion(BallsInCircuits):
             if friction_displaces_balls(scene, self.friction):
                 place = positions_in_grooves_with_errors(at, met, result.hertz_C)
                 still, start = BallsUnderLoad(scene, at, self.friction, self.drive), (push[on_arc], q[on_arc])
-                fed = solve_friction_equilibria([DisplacedBalls(still, place, None, *start)])[0]
+                fed = solve_friction_equilibria([DisplacedBalls(still, place, *start)])[0]
                 push[on_arc], at = fed.friction_on_balls_and_screw, fed.contacts
                 if fed.failed_balls.any():
                     status = f"friction and position do not agree on {int(fed.failed_balls.sum())} balls"

@@ -182,14 +182,15 @@ def friction_states(cases: Sequence[FrictionCase]) -> list[FrictionState]:
         return []
     still = [BallsUnderLoad(c.scene, contacts_of_result(c.scene, c.result, c.member), c.friction, c.drive) for c in cases]
     fed = [k for k, c in enumerate(cases) if whole_torque.friction_displaces_balls(c.scene, c.friction)]
-    turned = [still[k]._replace(drive=reversed_motion(cases[k].drive)) for k in fed]
-    alone = losses.friction_of_groups([*still, *turned])
+    alone = losses.friction_of_groups(still)
     displaced = []
-    for k, back, friction_back in zip(fed, turned, alone[len(cases) :], strict=True):
+    for k in fed:
         drawn = draw_geometry_with_errors(cases[k].scene, still[k].contacts.layout, cases[k].member)
         place = feedback.positions_in_grooves_with_errors(still[k].contacts, drawn, cases[k].result.hertz_C)
-        both_ways = (still[k], alone[k]), (back, friction_back)
-        displaced += [feedback.DisplacedBalls(balls, place, friction) for balls, friction in both_ways]
+        back, motions = still[k]._replace(drive=reversed_motion(cases[k].drive)), alone[k].ball_motions
+        displaced += [
+            feedback.DisplacedBalls(*way) for way in ((still[k], place, None, motions), (back, place, None, -motions))
+        ]
     equilibria = feedback.solve_friction_equilibria(displaced)
     found = dict(zip(fed, zip(displaced[::2], equilibria[::2], equilibria[1::2], strict=True), strict=True))
     return [_state_of_case(case, still[k].contacts, alone[k], found.get(k)) for k, case in enumerate(cases)]
@@ -260,7 +261,7 @@ def friction_of_curved_contacts(
     drawn = draw_geometry_with_errors(case.scene, still.contacts.layout, case.member)
     place = feedback.positions_in_grooves_with_errors(still.contacts, drawn, case.result.hertz_C)
     begin = feedback.friction_on_balls_and_screw(flat, state.contacts)
-    balls_and_start = feedback.DisplacedBalls(still, place, None, begin, flat.ball_motions)
+    balls_and_start = feedback.DisplacedBalls(still, place, begin, flat.ball_motions)
     (found,) = feedback.solve_friction_equilibria([balls_and_start], heathcote.friction_of_curved_contacts)
     status = tuple("failed" if bad else word for word, bad in zip(found.friction.status, found.failed_balls, strict=True))
     return flat, replace(found.friction, status=status)
