@@ -90,14 +90,6 @@ def test_coefficients_of_the_command_line_and_a_table_over_them():
     assert found.as_json()["friction"] == {"screw": 0.08, "nut": 0.08}
 
 
-def test_speed_is_stated_where_the_scene_gives_none():
-    with_speed, without = answer(mine()).as_json(), answer(replace(mine(), motion=None)).as_json()
-    assert without["motion"] == {"turns": "screw", "speed_rad_s": pytest.approx(2.0 * math.pi)}
-    assert ["no [motion]" in " ".join(data["assumed"]) for data in (with_speed, without)] == [False, True]
-    for same in ("forward_torque_Nmm", "backward_torque_Nmm"):
-        assert without["torque"][same] == pytest.approx(with_speed["torque"][same], rel=1e-6)
-
-
 def test_shipped_case_and_a_bearing_answer(command):
     data = command.answer("friction", "lin-case3", "--model", "lin")
     assert data["torque"]["axial_load_N"] == pytest.approx(5000.0, rel=1e-6)

@@ -11,20 +11,7 @@ from rollbench.compare.commands.friction import friction_terminal_parts
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.friction import solve as friction_answer
 from rollbench.compare.studies.friction.whole import FrictionChoices
-from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import BallErrors, Errors, Friction
-
-
-def test_what_is_wrong_with_a_contact_is_told_once_and_as_solve_tells_it():
-    """Warnings of size and pressure are those of the state with friction; the contact loads' own are not repeated."""
-    hard = replace(small_screw(8, force=(0.0, 0.0, 60e3)), friction=Friction(0.1, 0.1, feedback=False))
-    static = solve_static(hard).warnings
-    for feedback in (False, True):
-        found = answer(replace(hard, friction=replace(hard.friction, feedback=feedback))).as_json()["warnings"]
-        for head in ("contact ellipse too large", "contact pressure too high"):
-            (once,) = (line for line in found if line.startswith(head))
-            (other,) = (line for line in static if line.startswith(head))
-            assert feedback or once == other
 
 
 def test_a_scene_that_states_no_play_says_what_play_does():

@@ -15,18 +15,6 @@ def hinted(text: str) -> list[str]:
     return shlex.split(line[line.rindex("rollbench ") :])
 
 
-def test_names_of_files_are_quoted_where_a_shell_needs_it(command, tmp_path) -> None:
-    file, loads, balls = tmp_path / "my screw's.toml", tmp_path / "my loads.csv", tmp_path / "two balls.toml"
-    assert hinted(command("new", file).out) == ["rollbench", "solve", str(file)]
-    written = command("solve", file, "--model", "lin", "--loads-csv", loads).out
-    assert hinted(written[written.index("rollbench check") :])[-1] == str(loads)
-    balls.write_text(catalogue.shipped_scene_text("two-balls"), encoding="utf-8")
-    out = command("compare", balls, "--model", "lin", "--store", tmp_path).out
-    assert hinted(out[: out.index("\n--verbose")])[:4] == ["rollbench", "solve", str(balls), "--condensed"]
-    plain = tmp_path / "plain.toml"
-    assert command("new", plain).out.endswith(f" {plain}\n")
-
-
 def test_a_kind_that_only_friction_solves_is_hinted_by_the_name_that_was_given(tmp_path) -> None:
     file = tmp_path / "my pair.toml"
     file.write_text(catalogue.shipped_scene_text("lin-pair-a"), encoding="utf-8")

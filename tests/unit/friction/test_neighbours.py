@@ -72,17 +72,6 @@ def test_balls_apart_move_as_without_neighbours(feedback, apart):
         assert getattr(found.friction_sums, name) == pytest.approx(getattr(alone.friction_sums, name), rel=near)
 
 
-def test_flat_grooves_have_their_long_axis_along_the_path_for_chains_too():
-    scene = touching(apart=3e-6)
-    flat = 40.0 * scene.balls.radius
-    scene = replace(scene, screw=replace(scene.screw, groove_radius=flat), nut=replace(scene.nut, groove_radius=flat))
-    alone, found = (state(scene, f, TURN) for f in (replace(PUSH, neighbours=False), PUSH))
-    assert not alone.contacts.across.all()
-    force = alone.ball_friction.force
-    assert found.ball_friction.force == pytest.approx(force, abs=1e-5 * np.abs(force).max())
-    assert found.ball_friction.orbital_speed == pytest.approx(alone.ball_friction.orbital_speed, rel=1e-6)
-
-
 def test_neighbours_push_at_the_loads_that_friction_leaves(pushed):
     """Both together: loads of the feedback alone, forces between balls, power in is all that is lost."""
     scene = touching()

@@ -25,12 +25,3 @@ def test_friction_prints_the_band_of_every_row_and_timken_s_torque(command, tmp_
     low, high = (f"{rows[0][key]:.3g}" for key in ("low_Nmm", "high_Nmm"))
     assert f"{float(low):.0f} to {float(high):.0f} " in row
     assert f" {rows[0]['timken_Nmm']:.0f} " in row
-
-
-def test_ball_or_taper_is_answered_by_one_command(command) -> None:
-    """Stiffness, torque and life of Smith's axis on both kinds of bearings."""
-    balls, rollers = command.answer("solve", "smith-axis", "smith-axis-taper", "--model", "lin")["scenes"]
-    for one in (balls, rollers):
-        torques = one["running_torque_Nmm"], one["starting_torque_Nmm"]
-        lives = one["life_million_revolutions"], one["life_hours"], one["L10_million_revolutions"]
-        assert None not in (one["nut_tangent_N_per_um"], *torques, *lives)

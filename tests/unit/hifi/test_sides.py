@@ -13,7 +13,7 @@ from tests.two_balls import SMALL, relative_deviation_of_fit, two_balls
 
 from rollbench.hifi import condensation
 from rollbench.hifi.bodies import grid_wave
-from rollbench.hifi.bodies.grid_wave import POWERS, GapCorrectionTable, solve_unilateral_contact
+from rollbench.hifi.bodies.grid_wave import POWERS, solve_unilateral_contact
 from rollbench.hifi.bodies.patch import condense_patch
 from rollbench.hifi.elements.forms import normalise_weight_rows
 from rollbench.hifi.meshing.part_meshes import contact_normals_of_patch, mesh_parts, mesh_patch
@@ -137,26 +137,6 @@ def test_contacts_on_springs():
     again, same = solve_unilateral_contact(np.diag(springs), gap, close, loads, closed[::-1])
     assert again == pytest.approx(found, rel=1e-12)
     np.testing.assert_array_equal(same, closed)
-
-
-def test_the_wave_is_periodic_in_the_place_and_follows_hertz_beyond_its_forces():
-    x, y = np.meshgrid(np.arange(8) / 8, np.arange(12) / 12, indexing="ij")
-    loads = np.geomspace(10.0, 1000.0, 48)
-    table = 1e-9 * (np.cos(2.0 * np.pi * x) + 0.3 * np.sin(2.0 * np.pi * y))[..., None] * np.log(loads / 5.0)
-    directions, cell = np.array([[0.0, 0.6, 0.8], [0.0, -0.8, 0.6]]), np.array([40e-6, 15e-6])
-    wave = GapCorrectionTable(loads, table, cell, np.array([1.0, 2.0, 3.0]), directions)
-    force = np.array([40.0, 40.0, 40.0, 90.0, 0.0])
-    places = np.array([[0.3, 0.1], [7.3, -0.9], [-0.7, 4.1], [0.3, 0.6], [0.3, 0.1]])
-    centres = wave.middle_node + (places * cell) @ directions
-    found = wave.interpolate(force, centres)
-    for k, sign, grown in ((slice(3), 1.0, np.log(8.0)), (slice(3, 4), -1.0, np.log(18.0))):
-        expected = 1e-9 * (np.cos(0.6 * np.pi) + sign * 0.3 * np.sin(0.2 * np.pi)) * grown
-        assert found[k] == pytest.approx(np.full(len(found[k]), expected), abs=4e-3 * 1e-9 * grown)
-    assert found[4] == 0.0
-    off = centres + 3e-3 * np.array([1.0, 0.0, 0.0])  # along the normal: the same place
-    assert wave.interpolate(force, off) == pytest.approx(found, rel=1e-9)
-    far = wave.interpolate(np.array([1.25, 8000.0]), np.tile(wave.middle_node, (2, 1)))
-    assert far == pytest.approx(1e-9 * np.array([np.log(2.0) / 4.0, 4.0 * np.log(200.0)]), rel=1e-9)
 
 
 def law(loads):

@@ -4,13 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.axes import ROLLERS, assembly, fixed_axis, solved
+from tests.axes import ROLLERS, assembly, solved
 from tests.helpers import ALL_BUT_AXIAL
 from tests.shipped_texts import changed
 
-from rollbench.compare.models.model import ModelOptions
-from rollbench.compare.results.rows import bearing_and_nut_rows
-from rollbench.compare.results.solving import solve_with_results
 from rollbench.lowfi.hertz import hertz_constants
 from rollbench.lowfi.rating.contacts import roller_contact_of_highest_pressure
 from rollbench.lowfi.rollers import half_widths_and_pressures_of_slices
@@ -148,21 +145,6 @@ def test_load_cases_of_rollers_have_a_worst_pressure(command, tmp_path):
     together = command.answer("solve", path)["summary"]
     assert together["largest_pressure_MPa"] > 0.0
     assert together["least_static_safety"] == pytest.approx((4000.0 / together["largest_pressure_MPa"]) ** 2)
-
-
-def test_the_table_is_of_the_worst_set_and_that_of_sets_has_all():
-    places = (("rollers +", 0.03, "+z", -20e-6), ("rollers -", 0.07, "-z", 20e-6))
-    rows = [RollingSet(name, "tapered roller bearing", ROLLERS, z, offset=by, thrust=t) for name, z, t, by in places]
-    axis = fixed_axis((0.0, 0.0, 600.0))
-    one = solve_with_results(replace(axis, sets=(*rows, *axis.sets[2:])), "lin", ModelOptions())
-    found = [*one.sets.values()]
-    shares = [x.worst.pressure / (4.2e9 if i > 1 else 4.0e9) for i, x in enumerate(found)]
-    first = one.number_of_worst_set - 1
-    assert shares[first] == max(shares)
-    answers, sets = {row.quantity: row.value for row in one.rows()}, bearing_and_nut_rows(one.sets)
-    assert answers["nut or bearing, worst contact"] == one.described.sets[first].name
-    assert answers["peak pressure"] == sets[first]["peak pressure MPa"]
-    assert [float(row["static safety"]) for row in sets] == pytest.approx([x.worst.safety for x in found], rel=1e-3)
 
 
 @pytest.mark.parametrize("angle", ["4e-12 deg", "0.4 deg"])

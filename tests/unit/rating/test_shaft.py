@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 from tests.axes import one_set
-from tests.shipped_texts import changed
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.model import ModelOptions
@@ -219,15 +218,6 @@ def test_low_coefficients_are_met_by_a_warning_and_a_ring_s_without_an_efficienc
         assert len(catalogue_checks.warn_of_overall_friction_coefficient(TRACK, Friction(*given))) == warned, given
     (found,) = catalogue_checks.warn_of_overall_friction_coefficient(Track(20e-3, 0.0, 0.0), Friction(0.0015, 0.0015))
     assert "efficiency" not in found
-
-
-@pytest.mark.parametrize("given", ["0.1", "0.01"])
-def test_the_line_above_the_answers_says_what_the_coefficient_would_mean(tmp_path, command, given: str) -> None:
-    text = changed("lin-case1", ("coefficient = 0.1", f"coefficient = {given}"))
-    (tmp_path / "my.toml").write_text(text, encoding="utf-8")
-    head = " ".join(command.said("solve", tmp_path / "my.toml", "--model", "lin").split("quantity ")[0].split())
-    assert ("overall coefficients" in head, "94.9 %" in head) == (given == "0.01", given == "0.01")
-    assert "outside what the models mean" not in head
 
 
 def test_bearing_pairs_clamp_the_shaft_of_an_axis():

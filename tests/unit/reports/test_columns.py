@@ -5,8 +5,7 @@ from collections import Counter
 import pytest
 
 from rollbench.reports.cells import format_cell
-from rollbench.reports.content import Figure, Panel, Series, Table, _entries_of_columns, table_column
-from rollbench.reports.figures import draw_figure
+from rollbench.reports.content import Table, _entries_of_columns, table_column
 
 
 def test_no_two_names_are_one_column():
@@ -37,10 +36,3 @@ def test_a_column_that_the_file_does_not_have_is_refused():
         Table("t", "T", {"ball": [1], "flank": []})
     with pytest.raises(IndexError):
         table_column("load_of")
-
-
-def test_axes_of_a_figure_take_heading_and_unit_of_a_column() -> None:
-    panel = Panel("", "contact_load", "θ / deg", (Series("", [0.0, 1.0], [0.0, 1.0]),))
-    drawn = draw_figure(Figure("a", "A figure", (panel,)))
-    assert "contact load / N" in drawn
-    assert "θ / deg" in drawn
