@@ -112,17 +112,7 @@ def mesh_patch_with_tetrahedra(sizes: TetrahedralPatchSizes, box_faces: Refineme
     -------
     TetrahedralPatchMesh
         The mesh of the patch.
-
-    Raises
-    ------
-    ValueError
-        The contact zone does not fit into the patch.
     """
-    if not (0.0 < max(sizes.contact_zone_fractions) < 1.0 and min(sizes.contact_zone_fractions) > 0.0):
-        raise ValueError(
-            f"the half widths {sizes.contact_zone_fractions} of the contact zone, as ratios to the half widths of the box "
-            "of fine cells around the contact, must lie between 0 and 1"
-        )
     with gmsh_session(OPTIONS) as gmsh:
         gmsh.model.add("patch")
         inner, ring = _add_patch_volume(gmsh, sizes, box_faces)

@@ -17,7 +17,6 @@ import numpy as np
 from rollbench.compare.errors import InputError
 from rollbench.compare.scenes import from_keys, key_checks, schema
 from rollbench.compare.scenes.body_checks import geometry_faults, position_beyond_end_faults
-from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text, raise_scene_error_for_faults
 from rollbench.compare.scenes.keys import record_from_keys
 from rollbench.lowfi.rollers import tapered_bearing_of_row
@@ -38,10 +37,17 @@ LEAST_FILL = 0.1
 NO_STIFFNESS = axis.diagonal_stiffness((0.0,) * 6)
 
 
+def geometry_faults_of_nuts_and_bearings(scene: Scene | axis.Assembly) -> Iterator[Fault]:
+    """Yield the faults of dimensions with which nuts or ball bearings of a scene cannot be built."""
+    for one in (scene,) if isinstance(scene, Scene) else (s.parts for s in scene.sets):
+        if isinstance(one, Scene):
+            yield from geometry_faults(one)
+
+
 def shaft_scene_from_keys(
-    keys: schema.ShaftSceneKeys, tables: Mapping[str, Any], file_name: str, name: str
-) -> axis.Assembly | Scene | DutyCycle:
-    """Return the shaft with nuts and bearings that a scene file describes, or its load cases; SceneError for faults.
+    keys: schema.ShaftSceneKeys, raw: Mapping[str, Any], origin: str, name: str
+) -> axis.Assembly | Scene:
+    """Return the shaft with nuts and bearings that a scene file describes outside its load cases; SceneError for faults.
 
     If the file describes a single nut or ball bearing that needs no table ``[[sets]]``, a `Scene` is returned.
 
@@ -49,38 +55,17 @@ def shaft_scene_from_keys(
     ----------
     keys
         Validated keys of the scene file.
-    tables
+    raw
         Tables of the file as read from TOML, for the faulty values in messages.
-    file_name
+    origin
         Name of the file, for messages.
     name
         Name of the scene.
 
     Returns
     -------
-    Assembly, Scene or DutyCycle
-        Record of the shaft; of its load cases (DutyCycle) if the file has a table ``[[cases]]``.
-    """
-    shaft = _checked_shaft_from_keys(keys, tables, file_name, name)
-    if not keys.cases:
-        return shaft
-    return from_keys.with_load_cases(shaft, keys.cases, tables, file_name, _geometry_faults_of_scene)
-
-
-def _geometry_faults_of_scene(scene: Scene | axis.Assembly) -> Iterator[Fault]:
-    """Yield the faults of dimensions with which nuts or ball bearings of a scene cannot be built."""
-    for one in (scene,) if isinstance(scene, Scene) else (s.parts for s in scene.sets):
-        if isinstance(one, Scene):
-            yield from geometry_faults(one)
-
-
-def _checked_shaft_from_keys(
-    keys: schema.ShaftSceneKeys, raw: Mapping[str, Any], origin: str, name: str
-) -> axis.Assembly | Scene:
-    """Return shaft, nuts, bearings and housings that a scene file describes outside its load cases, after all checks.
-
-    ``keys``: validated keys of the file; ``raw``: tables of the file, for the faulty values in messages; ``origin``: name
-    of the file, for messages; ``name``: name of the scene. SceneError for faults.
+    Assembly or Scene
+        Record of the shaft.
     """
     raise_scene_error_for_faults(origin, raw, list(_conflicting_key_faults(keys, raw)))
     sets = tuple(_rolling_set_from_keys(keys, i, raw, origin) for i in range(len(keys.sets)))

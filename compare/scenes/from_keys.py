@@ -275,8 +275,11 @@ def with_load_cases(
     tables: Mapping[str, Any],
     file_name: str,
     faults_of_scene: Callable[[Any], Iterable[Fault]],
-) -> DutyCycle:
-    """Return the duty cycle of a scene with its file's load cases.
+) -> Parts | DutyCycle:
+    """Return the duty cycle of a scene with its file's load cases; the scene itself if the file has none.
+
+    The share of a load case is its fraction of the revolutions of the cycle. If the file states times instead of shares,
+    the revolutions of a load case are its time multiplied by its absolute speed.
 
     Parameters
     ----------
@@ -296,27 +299,20 @@ def with_load_cases(
     SceneError
         For the faults of the scene in any load case.
     """
-    cycle = duty_cycle_from_keys(scene, load_case_keys)
-    faults = [(fault, k) for k, case in enumerate(cycle.cases) for fault in faults_of_scene(case.scene)]
-    raise_scene_error_for_faults(file_name, tables, [fault_with_keys_of_load_case(*x) for x in faults])
-    return cycle
-
-
-def duty_cycle_from_keys(scene: parts.Scene | Assembly, keys: Sequence[schema.LoadCaseKeys]) -> DutyCycle:
-    """Return the duty cycle of a scene: the scene under each of its load cases, built from their validated keys.
-
-    The share of a load case is its fraction of the revolutions of the cycle. If the file states times instead of shares,
-    the revolutions of a load case are its time multiplied by its absolute speed.
-    """
-    turned = [0.0 if k.time is None else k.time * abs(k.speed or 0.0) for k in keys]
-    whole, time = sum(turned), sum(k.time or 0.0 for k in keys)
-    shares = [k.share or 0.0 for k in keys] if whole == 0.0 else [x / whole for x in turned]
+    if not load_case_keys:
+        return scene
+    turned = [0.0 if k.time is None else k.time * abs(k.speed or 0.0) for k in load_case_keys]
+    whole, time = sum(turned), sum(k.time or 0.0 for k in load_case_keys)
+    shares = [k.share or 0.0 for k in load_case_keys] if whole == 0.0 else [x / whole for x in turned]
     speed = whole / time if whole else None if scene.motion is None else abs(scene.motion.speed)
     cases = (
         LoadCase(k.name, share, k.speed, _scene_under_load_case(scene, k), k.time)
-        for k, share in zip(keys, shares, strict=True)
+        for k, share in zip(load_case_keys, shares, strict=True)
     )
-    return DutyCycle(scene, tuple(cases), speed)
+    cycle = DutyCycle(scene, tuple(cases), speed)
+    faults = [(fault, k) for k, case in enumerate(cycle.cases) for fault in faults_of_scene(case.scene)]
+    raise_scene_error_for_faults(file_name, tables, [fault_with_keys_of_load_case(*x) for x in faults])
+    return cycle
 
 
 def _scene_under_load_case(scene: parts.Scene | Assembly, keys: schema.LoadCaseKeys) -> parts.Scene | Assembly:

@@ -39,11 +39,11 @@ def scene_from_tables(tables: dict[str, Any], file_name: str) -> Described:
     """
     kind = tables.get("kind")
     if "sets" in tables or kind == AXIS:
-        from rollbench.compare.scenes.axis_file import shaft_scene_from_keys
+        from rollbench.compare.scenes.axis_file import geometry_faults_of_nuts_and_bearings, shaft_scene_from_keys
 
-        return shaft_scene_from_keys(
-            fault.validate_or_raise(tables, ShaftSceneKeys, file_name), tables, file_name, Path(file_name).stem
-        )
+        keys = fault.validate_or_raise(tables, ShaftSceneKeys, file_name)
+        shaft = shaft_scene_from_keys(keys, tables, file_name, Path(file_name).stem)
+        return with_load_cases(shaft, keys.cases, tables, file_name, geometry_faults_of_nuts_and_bearings)
     nut = tables.get("nut")
     bodies = isinstance(nut, dict) and "length" in nut  # a ball screw or bearing with a misspelt key
     if kind is None and FOREIGN & tables.keys() and not bodies:
@@ -62,9 +62,9 @@ def scene_from_tables(tables: dict[str, Any], file_name: str) -> Described:
         advice = f"did you mean {toml_text(near[0])}?" if near else "leave the key out for a whole ball screw or bearing"
         raise SceneError(file_name, "kind", toml_text(kind), ", ".join(map(toml_text, (*WHOLE, *kinds))), advice)
     of = kinds[kind]
-    keys = fault.validate_or_raise(tables, of.key_class, file_name)
-    fault.raise_scene_error_for_faults(file_name, tables, list(of.faults_of_keys(keys)))
-    return of.scene_from_keys(keys, escape_unprintable(Path(file_name).stem))
+    read = fault.validate_or_raise(tables, of.key_class, file_name)
+    fault.raise_scene_error_for_faults(file_name, tables, list(of.faults_of_keys(read)))
+    return of.scene_from_keys(read, escape_unprintable(Path(file_name).stem))
 
 
 def validated_keys(tables: dict[str, Any], file_name: str) -> SceneKeys | ShaftSceneKeys:
@@ -97,7 +97,7 @@ def single_nut_scene_from_tables(tables: dict[str, Any], file_name: str) -> Scen
         fault.raise_scene_error_for_faults(file_name, tables, _geometry_or_contact_faults(scene))
     if scene.track.lead == 0.0:
         scene = with_single_arc_grooves(scene)
-    return with_load_cases(scene, keys.cases, tables, file_name, _geometry_or_contact_faults) if keys.cases else scene
+    return with_load_cases(scene, keys.cases, tables, file_name, _geometry_or_contact_faults)
 
 
 def _geometry_or_contact_faults(scene: Scene) -> list[fault.Fault]:
