@@ -99,15 +99,13 @@ def commented_template(kind: str = "ball screw") -> str:
 
 
 def _schema_of_kind(kind: str) -> dict[str, Any]:
-    """Return the JSON Schema of scene files of the kind ``kind``, such as "bearing"."""
-    if kind in WHOLE:
-        schema = scene_schema_of_kind(SceneKeys)
-        if kind == "bearing":  # a bearing has no ball return and no flange
-            schema = deepcopy(schema)
-            schema["properties"].pop("circulation")
-            schema["$defs"]["NutKeys"]["properties"].pop("flange")
-        return schema
-    return scene_schema_of_kind(friction_scene_kinds()[kind].key_class)  # type: ignore[arg-type]
+    """Return the JSON Schema of scene files of the kind ``kind``: "bearing", or one of which only friction is computed."""
+    if kind != "bearing":
+        return scene_schema_of_kind(friction_scene_kinds()[kind].key_class)  # type: ignore[arg-type]
+    schema = deepcopy(scene_schema_of_kind(SceneKeys))  # a bearing has no ball return and no flange
+    schema["properties"].pop("circulation")
+    schema["$defs"]["NutKeys"]["properties"].pop("flange")
+    return schema
 
 
 def _table_lines(node: Node, defs: Node, values: Node, path: str) -> Iterator[str]:
