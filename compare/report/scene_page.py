@@ -42,7 +42,6 @@ from rollbench.compare.studies.friction.run import simulate_friction_over_time
 from rollbench.compare.studies.friction.whole import (
     MEASURED,
     StaticallySolvedPart,
-    drag_torques,
     friction_of_solved_loads,
     friction_status,
 )
@@ -448,14 +447,13 @@ def friction_section(scene: Scene, result: StaticResult, options: ModelOptions) 
     bare = run_model(replace(scene, loads=()), DEFAULT, options) if scene.loads else result
     solved = StaticallySolvedPart(scene, DEFAULT, options, scene.friction, motion, bare)
     try:
-        (state,) = solved.known.states([solved.case(result, scene.friction)])
+        (state,) = solved.states([solved.case(result, scene.friction)])
     except ValueError as error:  # balls that overlap by their random sizes
         return Section("friction", title, (Text((f"Friction was not computed: {error}.",)),))
     if not state.all_balanced:
         return Section("friction", title, (Text((f"Friction was not computed: {friction_status(state)}.",)),))
     head = {"scene": scene.name, "title": scene.title, "kind": kind_of_scene(scene)}
-    pairs = [scene.friction], [state], drag_torques(solved, [state], [scene.friction])
-    found = friction_of_solved_loads(solved, result, head, pairs)
+    found = friction_of_solved_loads(solved, result, [scene.friction], [state], **head)
     panels = [_torque_over_coefficient_panel(solved, result), _torque_over_ball_size_panel(solved)]
     notes = [" ".join(filter(None, (f"{row.quantity}:", row.value, row.unit, row.note))) for row in found.rows()]
     notes += [f"third flank: {text}." for text in found.warnings if text.kind == "third flank"]

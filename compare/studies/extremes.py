@@ -12,7 +12,6 @@ Campaigns of random scenes are run by ``python -m tests.campaign`` of the reposi
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,7 +22,10 @@ import numpy as np
 
 from rollbench.compare.case import all_cases
 from rollbench.compare.measure import error_percent
+from rollbench.compare.models.many import solve_many
 from rollbench.compare.models.registry import MODELS
+from rollbench.compare.quantities import json_number
+from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.studies.extreme_cases import CONVERGED, HardScene, hard_scenes
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.rollers import slice_middles, tapered_bearing_of_row
@@ -34,8 +36,6 @@ from rollbench.lowfi.statics.static import solve_elastic, solve_static
 from rollbench.lowfi.statics.summary import BALANCE
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
-from rollbench.meshes.parts import Scene
-from rollbench.meshes.processes import single_thread_workers
 from rollbench.reports.content import Cell, Row
 
 #: Name of the formulation by the energy solver.
@@ -125,24 +125,13 @@ def solve_hard_scene_by_formulation(hard_scene: HardScene, formulation: str) -> 
     FormulationOutcome
         Status, residual and run time of the solution, and difference of its contact loads from the energy solver's.
     """
-    if formulation == ENERGY:
-        return _outcome_by_energy_solver(hard_scene)
     if formulation in BACKENDS:
         return _outcome_with_elastic_bodies(hard_scene, formulation)
-    return formulations_of_cases()[formulation](hard_scene, formulation)
-
-
-def _static_result_by_energy_solver(scene: Scene | Assembly) -> StaticResult | AxisResult:
-    """Solve a scene by the energy solver."""
-    if isinstance(scene, Assembly):
-        return solve_assembly(scene)
-    return solve_static(scene)
-
-
-def _outcome_by_energy_solver(hard_scene: HardScene) -> FormulationOutcome:
-    """Solve a hard-to-solve scene by the energy solver, and return the outcome."""
-    begin = perf_counter()
-    row = _outcome_from_result(hard_scene, ENERGY, _static_result_by_energy_solver(hard_scene.scene), begin)
+    if formulation != ENERGY:
+        return formulations_of_cases()[formulation](hard_scene, formulation)
+    begin, scene = perf_counter(), hard_scene.scene
+    result = solve_assembly(scene) if isinstance(scene, Assembly) else solve_static(scene)
+    row = _outcome_from_result(hard_scene, ENERGY, result, begin)
     return replace(row, difference_percent=0.0 if row.converged else None)
 
 
@@ -194,7 +183,7 @@ def _outcome_from_result(
         formulation,
         status,
         iterations=s.iterations,
-        residual=finite_or_none(s.residual),
+        residual=json_number(s.residual),
         round_off_bound=s.round_off_bound,
         seconds=perf_counter() - start_time,
         unknowns=s.unknowns,
@@ -265,11 +254,6 @@ def roller_slice_law_residual(row: SetResult, result: AxisResult) -> float:
     return float(np.abs(expected - lines).max() / (lines.max() + noise / SLICES))
 
 
-def finite_or_none(value: float) -> float | None:
-    """Return a number as a float; None if the number is not finite, because JSON has neither infinity nor nan."""
-    return float(value) if math.isfinite(value) else None
-
-
 def largest_load_difference(load: Array, reference_load: Array) -> float:
     """Return the largest difference between the contact loads of two solutions [% of the largest ``reference_load``].
 
@@ -291,32 +275,25 @@ def _solve_by_all_formulations(hard_scene: HardScene) -> list[FormulationOutcome
     return [solve_hard_scene_by_formulation(hard_scene, name) for name in formulations()]
 
 
-def solve_all_hard_scenes(
-    progress: Callable[[int, int, str], None] = lambda *_: None, *, n_jobs: int = 2
-) -> list[FormulationOutcome]:
-    """Solve every hard-to-solve scene by every formulation of the equations, in several processes.
+def solve_all_hard_scenes(progress: Callable[[int, int, str], None]) -> list[FormulationOutcome]:
+    """Solve every hard-to-solve scene by every formulation of the equations, in two processes.
 
     Parameters
     ----------
     progress
         Function that is called after each scene with the number of solved scenes, the number of all, and the scene's name.
-    n_jobs
-        Number of processes.
 
     Returns
     -------
     list of FormulationOutcome
         Outcomes in the order of `hard_scenes`.
     """
-    from joblib import Parallel, delayed
-
-    every, rows = hard_scenes(), list[FormulationOutcome]()
-    with single_thread_workers():
-        workers = Parallel(n_jobs=n_jobs, return_as="generator")
-    for i, found in enumerate(workers(delayed(_solve_by_all_formulations)(c) for c in every)):
-        rows += found
-        progress(i + 1, len(every), every[i].name)
-    return rows
+    every, found = hard_scenes(), dict[int, list[FormulationOutcome]]()
+    scenes = {i: (hard_scene,) for i, hard_scene in enumerate(every)}
+    for i, outcomes in solve_many(_solve_by_all_formulations, scenes, ComputingSettings(parallel_jobs=2)):
+        found[i] = outcomes
+        progress(len(found), len(every), every[i].name)
+    return [row for i in range(len(every)) for row in found[i]]
 
 
 def unexpected_outcomes(outcomes: Sequence[FormulationOutcome]) -> list[FormulationOutcome]:

@@ -74,6 +74,7 @@ def solve_hard_scene_by_newton(hard_scene: HardScene, formulation: str) -> Formu
     too, and both methods take the flanks as rigid circular arcs (``kinematics="arc"``), so that they solve the same
     equations. ``formulation``: a key of `FORMULATIONS`.
     """
+    from rollbench.compare.quantities import json_number
     from rollbench.compare.studies import extremes
     from rollbench.lowfi.as_source.newton import solve_by_lin_equations
 
@@ -101,7 +102,7 @@ def solve_hard_scene_by_newton(hard_scene: HardScene, formulation: str) -> Formu
         formulation,
         status,
         iterations=iterations,
-        residual=extremes.finite_or_none(residual),
+        residual=json_number(residual),
         seconds=seconds,
         unknowns=unknowns,
         difference_percent=difference,

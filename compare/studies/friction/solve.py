@@ -145,23 +145,80 @@ def solve_friction_of_shaft(assembly: Assembly, choices: friction_whole.Friction
             assembly.name, "motion.turns", '"nut"', '"screw"', "let the shaft turn: its nuts and housings stand still"
         )
     options = ModelOptions(member=choices.member)
-    solved = solve_with_results(assembly, choices.model, options, drives=False)
-    result = solved.solution
+    answers = solve_with_results(assembly, choices.model, options, drives=False)
+    result = answers.solution
     assert isinstance(result, AxisResult)
     head: dict[str, Any] = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}
-    if not solved.converged:
+    if not answers.converged:
         status, keys = f"contact loads: {result.status}", (*HEAD, *friction_whole.REMARKS)
         return records.Friction(**head, reason=status, converged=False, assumed=assembly.assumed, keys=keys)
-    if not pairs:
-        return _answer_on_shaft(head, assembly, result, solved.sets, (Friction(0.0, 0.0), motion, [], {}))
-    each = _friction_of_nuts_and_bearings(result, pairs, motion)
-    drag = _drag_torques_of_nuts_and_bearings(assembly, result, pairs[0], motion)
-    found = _answer_on_shaft(head, assembly, result, solved.sets, (pairs[0], motion, each[0], drag))
-    over = (
-        records.FrictionAtCoefficients(screw=f.screw, nut=f.nut, keys=SHAFT_KEYS, **_torques_of_shaft(states, {}))
-        for f, states in zip(pairs, each, strict=True)
+    each = _friction_of_nuts_and_bearings(result, pairs, motion) if pairs else [[]]
+    drag = _drag_torques_of_nuts_and_bearings(assembly, result, pairs[0], motion) if pairs else {}
+    friction, solved, sets = pairs[0] if pairs else Friction(0.0, 0.0), each[0], answers.sets
+    rubbing = {
+        s.of.name: replace(sets[s.of.name], friction=FrictionTorques(**friction_torques(x.friction_sums)))
+        for _, s, x in solved
+        if x.all_balanced
+    }
+    drive = motor_torques_and_inertias(assembly, {**sets, **rubbing})
+    of_sets = tuple(
+        FrictionOfSet(
+            set=i + 1, name=s.of.name, loss=x.friction_sums.power, **friction_torques(x.friction_sums, drag.get(i))
+        )
+        for i, s, x in solved
     )
-    return replace(found, over=tuple(over), keys=(*found.keys, "over_friction"))
+    balls = tuple(
+        ball for i, s, x in solved if s.balls is not None for ball in answer.balls_with_friction(s.balls, x, i + 1)
+    )
+    losses = (answer.losses_by_contact_and_cause(state, number=i + 1) for i, _, state in solved)
+    failed = next((x for x in solved if not x[2].all_balanced), None)
+    imbalance = [x.ball_friction.largest_imbalance_ratio for _, _, x in solved]
+    of_rollers = tuple(f"{s.of.name}: " for s in result.sets if s.balls is None)  # whose loads friction leaves as they are
+    warnings = [w for w in result.warnings if w.startswith(of_rollers)]
+    warnings += answer.warnings_without_pressure_and_size([w for w in result.warnings if not w.startswith(of_rollers)])
+    for _, s, state in solved:
+        if isinstance(s.of.parts, Scene):
+            warnings += [w.with_part_name(s.of.name) for w in answer.friction_warnings(s.of.parts, friction, state, ())]
+    rollers = tuple(
+        FrictionOfRollers(set=i, name=name, torque=x.torque)
+        for i, (name, x) in enumerate(sets.items(), 1)
+        if x.torque is not None
+    )
+    over = tuple(
+        records.FrictionAtCoefficients(screw=f.screw, nut=f.nut, keys=SHAFT_KEYS, **_torques_of_shaft(states, {}))
+        for f, states in zip(pairs, each if pairs else (), strict=True)
+    )
+    return records.Friction(
+        **head,
+        **_torques_of_shaft(solved, drag),
+        **_powers_of_shaft(solved),
+        reason="converged" if failed is None else f"{failed[1].of.name}: {friction_whole.friction_status(failed[2])}",
+        converged=failed is None,
+        law="coulomb",
+        screw_coefficient=friction.screw,
+        nut_coefficient=friction.nut,
+        turns=motion.turns,
+        speed=motion.speed,
+        by_contact=tuple(row for rows in losses for row in rows),
+        residual=result.solver.residual,
+        imbalance=max(imbalance, default=0.0),
+        roller_torques=rollers,
+        sets=of_sets,
+        balls=balls,
+        drive=drive,
+        band=_drag_torque_of_nuts_by_makers_formula(assembly, sets),
+        assumed=(
+            *friction.assumed,
+            *(() if assembly.motion else (friction_whole.NO_SPEED,)),
+            *assembly.assumed,
+            *(f"contact loads: {x}" for x in result.assumed if x not in assembly.assumed),
+            *(() if solved else (NO_COEFFICIENT,)),
+        ),
+        left_out=tuple(answer.effects_neglected_at_one_instant(friction) if solved else ()),
+        warnings=tuple(warnings),
+        over=over,
+        keys=(*KEYS, *(("roller_torques",) if rollers else ()), *(("over_friction",) if pairs else ())),
+    )
 
 
 def _friction_coefficients_of_shaft(assembly: Assembly, mu: Sequence[float]) -> list[Friction]:
@@ -187,10 +244,11 @@ def _friction_of_nuts_and_bearings(result: AxisResult, frictions: Sequence[Frict
     The result has an entry for each of ``frictions``, coefficients of friction. Numbers count nuts and bearings from 0.
     ``result``: static solution of the shaft; ``motion``: motion of the shaft.
     """
-    sets = [(i, s) for i, s in enumerate(result.sets) if s.balls is not None and isinstance(s.of.parts, Scene)]
-    of_sets = [(s.of.parts, s.balls) for _, s in sets if isinstance(s.of.parts, Scene) and s.balls is not None]
-    states = iter(friction_states([FrictionCase(*s, f, motion, result.member) for f in frictions for s in of_sets]))
-    return [[(i, s, next(states)) for i, s in sets] for _ in frictions]
+    sets = [(i, s, s.of.parts, s.balls) for i, s in enumerate(result.sets)]
+    of_balls = [(i, s, parts, balls) for i, s, parts, balls in sets if balls is not None and isinstance(parts, Scene)]
+    cases = [FrictionCase(parts, balls, f, motion, result.member) for f in frictions for _, _, parts, balls in of_balls]
+    states = iter(friction_states(cases))
+    return [[(i, s, next(states)) for i, s, *_ in of_balls] for _ in frictions]
 
 
 def _drag_torques_of_nuts_and_bearings(
@@ -208,81 +266,6 @@ def _drag_torques_of_nuts_and_bearings(
         return {}
     (states,) = _friction_of_nuts_and_bearings(result, [friction], motion)
     return {i: state.friction_sums.friction_torque for i, _, state in states if state.all_balanced}
-
-
-def _answer_on_shaft(
-    head: dict[str, Any],
-    assembly: Assembly,
-    result: AxisResult,
-    sets: Mapping[str, ResultOfSet],
-    found: tuple[Friction, Motion, SolvedSets, dict[int, float]],
-) -> records.Friction:
-    """Return the friction of a shaft with several nuts and bearings, with tables and text lines.
-
-    ``head``: fields on scene and model; ``result``: static solution of the shaft; ``sets``: results of its nuts and
-    bearings by name; ``found``: coefficients of friction, motion, friction of the nuts and ball bearings, and their drag
-    torques [N m] by number.
-    """
-    friction, motion, solved, drag = found
-    rubbing = {
-        s.of.name: replace(sets[s.of.name], friction=FrictionTorques(**friction_torques(x.friction_sums)))
-        for _, s, x in solved
-        if x.all_balanced
-    }
-    drive = motor_torques_and_inertias(assembly, {**sets, **rubbing})
-    each = tuple(
-        FrictionOfSet(
-            set=i + 1, name=s.of.name, loss=x.friction_sums.power, **friction_torques(x.friction_sums, drag.get(i))
-        )
-        for i, s, x in solved
-    )
-    balls = tuple(
-        ball for i, s, x in solved if s.balls is not None for ball in answer.balls_with_friction(s.balls, x, i + 1)
-    )
-    losses = (answer.losses_by_contact_and_cause(state, number=i + 1) for i, _, state in solved)
-    failed = next((x for x in solved if not x[2].all_balanced), None)
-    imbalance = [x.ball_friction.largest_imbalance_ratio for _, _, x in solved]
-    of_rollers = tuple(f"{s.of.name}: " for s in result.sets if s.balls is None)  # whose loads friction leaves as they are
-    warnings = [w for w in result.warnings if w.startswith(of_rollers)]
-    warnings += answer.warnings_without_pressure_and_size([w for w in result.warnings if not w.startswith(of_rollers)])
-    for _, s, state in solved:
-        if isinstance(s.of.parts, Scene):
-            warnings += [w.with_part_name(s.of.name) for w in answer.friction_warnings(s.of.parts, friction, state, ())]
-    rollers = tuple(
-        FrictionOfRollers(set=i, name=name, torque=x.torque)
-        for i, (name, x) in enumerate(sets.items(), 1)
-        if x.torque is not None
-    )
-    return records.Friction(
-        **head,
-        **_torques_of_shaft(solved, drag),
-        **_powers_of_shaft(solved),
-        reason="converged" if failed is None else f"{failed[1].of.name}: {friction_whole.friction_status(failed[2])}",
-        converged=failed is None,
-        law="coulomb",
-        screw_coefficient=friction.screw,
-        nut_coefficient=friction.nut,
-        turns=motion.turns,
-        speed=motion.speed,
-        by_contact=tuple(row for rows in losses for row in rows),
-        residual=result.solver.residual,
-        imbalance=max(imbalance, default=0.0),
-        roller_torques=rollers,
-        sets=each,
-        balls=balls,
-        drive=drive,
-        band=_drag_torque_of_nuts_by_makers_formula(assembly, sets),
-        assumed=(
-            *friction.assumed,
-            *(() if assembly.motion else (friction_whole.NO_SPEED,)),
-            *assembly.assumed,
-            *(f"contact loads: {x}" for x in result.assumed if x not in assembly.assumed),
-            *(() if solved else (NO_COEFFICIENT,)),
-        ),
-        left_out=tuple(answer.effects_neglected_at_one_instant(friction) if solved else ()),
-        warnings=tuple(warnings),
-        keys=(*KEYS, "roller_torques") if rollers else KEYS,
-    )
 
 
 def _drag_torque_of_nuts_by_makers_formula(

@@ -18,7 +18,7 @@ from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredE
 from rollbench.compare.models.answers import results_of_contact_loads, warnings_of_set
 from rollbench.compare.models.friction_sums import friction_torques, without_times_and_warnings
 from rollbench.compare.models.friction_torques import TORQUE_KEYS
-from rollbench.compare.models.loading import preload_from_unloaded
+from rollbench.compare.models.loading import axial_preload
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import DEFAULT, run_model
 from rollbench.compare.quantities import count_with_noun, json_number
@@ -57,26 +57,6 @@ SMALLER_COEFFICIENTS = (0.03, 0.01)
 _friction_states_on_disk = each_cached_on_disk(FrictionState)(friction_states)
 
 
-class KnownFriction:
-    """Friction of the cases of one command: those that are asked for at once are solved together, equal ones once."""
-
-    def __init__(self) -> None:
-        """Begin without a solved case."""
-        self._known: dict[object, tuple[FrictionState, StaticResult]] = {}
-
-    def states(self, cases: Sequence[FrictionCase]) -> list[FrictionState]:
-        """Return the friction of several cases as `friction_states` computes it; results are cached on disk.
-
-        Cases are equal if their static results are the same object, and all else is equal.
-        """
-        keys = [(case.scene, case.friction, case.drive, case.member, id(case.result)) for case in cases]
-        new = {key: case for key, case in zip(keys, cases, strict=True) if key not in self._known}
-        timeless = [c._replace(result=without_times_and_warnings(c.result)) for c in new.values()]
-        for (key, case), state in zip(new.items(), _friction_states_on_disk(timeless), strict=True):
-            self._known[key] = state, case.result  # which keeps its id
-        return [self._known[key][0] for key in keys]
-
-
 @dataclass(frozen=True)
 class StaticallySolvedPart:
     """Screw or bearing with its static result without loads, and the settings for computing its friction torque."""
@@ -93,19 +73,36 @@ class StaticallySolvedPart:
     motion: Motion
     #: Static result without the loads of the scene.
     unloaded_result: StaticResult
-    #: Friction of the cases that are solved already.
-    known: KnownFriction = field(default_factory=KnownFriction)
+    #: Friction of the cases that are solved already, each with its static result, which keeps its id.
+    known: dict[object, tuple[FrictionState, StaticResult]] = field(default_factory=dict)
+
+    @property
+    def preload(self) -> float:
+        """Axial preload [N]; 0 if the static result without loads did not converge."""
+        return axial_preload(self.scene, self.unloaded_result) if self.unloaded_result.converged else 0.0
 
     def case(self, result: StaticResult, friction: Friction, scene: Scene | None = None) -> FrictionCase:
         """Return the case of a static result and coefficients of friction; ``scene``: None for the scene of this object."""
         return FrictionCase(scene or self.scene, result, friction, self.motion, self.options.member)
+
+    def states(self, cases: Sequence[FrictionCase]) -> list[FrictionState]:
+        """Return the friction of several cases as `friction_states` computes it, new ones together; cached on disk.
+
+        Cases are equal if their static results are the same object, and all else is equal.
+        """
+        keys = [(case.scene, case.friction, case.drive, case.member, id(case.result)) for case in cases]
+        new = {key: case for key, case in zip(keys, cases, strict=True) if key not in self.known}
+        timeless = [c._replace(result=without_times_and_warnings(c.result)) for c in new.values()]
+        for (key, case), state in zip(new.items(), _friction_states_on_disk(timeless), strict=True):
+            self.known[key] = state, case.result
+        return [self.known[key][0] for key in keys]
 
     def torques(self, cases: Sequence[FrictionCase]) -> list[float]:
         """Return the friction torques [N m] of several cases.
 
         A torque is nan if the static result did not converge, or if no balance of friction was found.
         """
-        states = iter(self.known.states([case for case in cases if case.result.converged]))
+        states = iter(self.states([case for case in cases if case.result.converged]))
         found = [next(states) if case.result.converged else None for case in cases]
         return [s.friction_sums.friction_torque if s is not None and s.all_balanced else float("nan") for s in found]
 
@@ -138,12 +135,6 @@ def with_coefficient(friction: Friction, mu: float) -> Friction:
     return replace(friction, screw=mu, nut=mu, balls=None)
 
 
-def axial_preload(solved: StaticallySolvedPart) -> float:
-    """Return the axial preload of a scene [N]; 0 if its static result without loads did not converge."""
-    idle = solved.unloaded_result
-    return preload_from_unloaded(solved.scene, idle).axial if idle.converged else 0.0
-
-
 def torques_at_measured_coefficients(solved: StaticallySolvedPart, result: StaticResult) -> FrictionBand:
     """Return friction torques at the smallest and largest coefficient of friction in measurements (`MEASURED`).
 
@@ -153,7 +144,7 @@ def torques_at_measured_coefficients(solved: StaticallySolvedPart, result: Stati
     static result under the loads.
     """
     scene, idle = solved.scene, solved.unloaded_result
-    preload, ends = axial_preload(solved), measured_coefficients(solved.friction)
+    preload, ends = solved.preload, measured_coefficients(solved.friction)
     pressed = preload > 0.0 and scene.track.lead > 0.0
     drag = None
     if pressed:
@@ -304,7 +295,7 @@ def notes_on_friction_feedback(
         format_three_digits(1e3 * sums.friction_torque) for sums in (state.friction_sums, state.sums_without_feedback)
     )
     smaller = [mu for mu in SMALLER_COEFFICIENTS if mu < max(solved.friction.screw, solved.friction.nut)]
-    others = solved.known.states([solved.case(result, with_coefficient(solved.friction, mu)) for mu in smaller])
+    others = solved.states([solved.case(result, with_coefficient(solved.friction, mu)) for mu in smaller])
     factors = [
         f"{format_three_digits(factor_of_feedback(other))} at {mu:g}"
         for mu, other in zip(smaller, others, strict=True)
@@ -349,18 +340,6 @@ class FrictionChoices:
     condensed: Path | None = None
 
 
-@dataclass(frozen=True)
-class DragTorque:
-    """Friction torque of a screw or bearing without loads (drag torque), or the reason why there is none."""
-
-    #: Drag torque [N m]; None if a drag torque has no meaning or could not be computed.
-    torque: float | None
-    #: Reason why there is no drag torque; empty if there is one.
-    reason_without_torque: str = ""
-    #: Note that the screw was left free along its axis, because its supports load it axially; empty if they do not.
-    note: str = ""
-
-
 def friction_coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
     """Return the coefficients of friction for which a screw or bearing is solved: those in ``mu``, else the scene's.
 
@@ -386,7 +365,7 @@ def solve_friction_of_all_cases(
     result: StaticResult,
     with_play: tuple[Scene, StaticResult] | None,
 ) -> None:
-    """Solve the friction of all cases that an answer needs together, and keep them in ``solved.known``.
+    """Solve the friction of all cases that an answer needs together, and keep them in ``solved``.
 
     ``pairs``: coefficients of friction that are asked for; ``result``: static result under the loads; ``with_play``: scene
     with play and its static result, None if it is not needed.
@@ -394,11 +373,11 @@ def solve_friction_of_all_cases(
     bare, ends = solved.unloaded_result, measured_coefficients(solved.friction)
     cases = [solved.case(result, friction) for friction in (*pairs, *ends)]
     if bare.converged:
-        of_drag = [*pairs, *(ends if axial_preload(solved) > 0.0 and solved.scene.track.lead > 0.0 else ())]
+        of_drag = [*pairs, *(ends if solved.preload > 0.0 and solved.scene.track.lead > 0.0 else ())]
         cases += [solved.case(bare, friction) for friction in of_drag]
     if with_play is not None and with_play[1].converged:
         cases.append(solved.case(with_play[1], solved.friction, with_play[0]))
-    solved.known.states(cases)
+    solved.states(cases)
 
 
 def solve_friction_of_screw_or_bearing(scene: Scene, choices: FrictionChoices) -> records.Friction:
@@ -444,20 +423,21 @@ def solve_friction_of_screw_or_bearing(scene: Scene, choices: FrictionChoices) -
     with_play = result_with_play(solved, result)
     try:
         solve_friction_of_all_cases(solved, pairs, result, with_play)
-        states = solved.known.states([solved.case(result, pair) for pair in pairs])
+        states = solved.states([solved.case(result, pair) for pair in pairs])
     except ValueError as error:  # balls that overlap by their random sizes
         raise SceneNotCoveredError(
             scene.name, "balls", str(error), "increase the angles between the balls, or set friction.neighbours = false"
         ) from error
-    drags = drag_torques(solved, states, pairs)
-    found = replace(
-        friction_of_solved_loads(solved, result, head, (pairs, states, drags)),
+    found = friction_of_solved_loads(
+        solved,
+        result,
+        pairs,
+        states,
         band=torques_at_measured_coefficients(solved, result),
         play=None if with_play is None else torque_with_play(solved, states[0], with_play),
         onset=onset_of_ball_to_ball_contact(solved, result, states[0]) if states[0].loaded else None,
+        **head,
     )
-    if found.play is not None:
-        found = replace(found, warnings=(play_warning(found.play), *found.warnings))
     if scene.time is None:
         return found
     run = friction_run.simulate_friction_over_time(scene, pairs[0], motion, model, choices.member)
@@ -471,9 +451,12 @@ def has_external_loads(scene: Scene) -> bool:
     return any(np.any(load.force) or np.any(load.moment) for load in scene.loads)
 
 
-def drag_torques(
-    solved: StaticallySolvedPart, states: Sequence[FrictionState], pairs: Sequence[Friction]
-) -> list[DragTorque]:
+#: Friction torque without loads for each pair of coefficients of friction [N m], None where it is not known; why it is not
+#: known for the first pair; and a note that the screw was left free along its axis. Texts may be empty.
+DragTorques = tuple[list[float | None], str, str]
+
+
+def drag_torques(solved: StaticallySolvedPart, states: Sequence[FrictionState], pairs: Sequence[Friction]) -> DragTorques:
     """Compute the friction torque without the scene's loads (drag torque), for each pair of friction coefficients.
 
     Supports and their prescribed displacements stay. If the supports load the screw axially, they are released along the
@@ -490,34 +473,25 @@ def drag_torques(
 
     Returns
     -------
-    list of DragTorque
-        Drag torque for each pair of coefficients.
+    DragTorques
+        Drag torques with the reason why there are none.
     """
-    scene, unloaded = solved.scene, solved.unloaded_result
-
-    def friction_for_each_pair(changed: Scene, result: StaticResult) -> list[FrictionState] | str:
-        """Return the friction for each pair of coefficients; the solver's status if contact loads did not converge.
-
-        ``changed``: scene to which the static result without loads belongs; ``result``: this result.
-        """
-        if not result.converged:
-            return result.status
-        return solved.known.states([solved.case(result, pair, changed) for pair in pairs])
-
-    without: Sequence[FrictionState] | str = states
+    scene, unloaded, note = solved.scene, solved.unloaded_result, ""
+    none: list[float | None] = [None] * len(pairs)
     if has_external_loads(scene):
-        without = friction_for_each_pair(scene, unloaded)
-    if isinstance(without, str):
-        return [DragTorque(None, without)] * len(pairs)
-    if not any(state.friction_sums.moves_axial_load for state in without):
-        return [drag_torque_of_state(state) for state in without]
-    pressed = f"its supports press it with {without[0].friction_sums.axial_load:.4g} N along its axis"
-    freed = replace(scene, loads=(), supports=without_axial_supports(scene.supports))
-    let_go = friction_for_each_pair(freed, run_model(freed, unloaded.model, solved.options))
-    if isinstance(let_go, str):
-        return [DragTorque(None, f"{pressed}, and without them: {let_go}")] * len(pairs)
-    note = f"the screw left free along its axis: {pressed}"
-    return [replace(drag_torque_of_state(state), note=note) for state in let_go]
+        if not unloaded.converged:
+            return none, unloaded.status, ""
+        states = solved.states([solved.case(unloaded, pair) for pair in pairs])
+    if any(state.friction_sums.moves_axial_load for state in states):
+        pressed = f"its supports press it with {states[0].friction_sums.axial_load:.4g} N along its axis"
+        freed = replace(scene, loads=(), supports=without_axial_supports(scene.supports))
+        let_go = run_model(freed, unloaded.model, solved.options)
+        if not let_go.converged:
+            return none, f"{pressed}, and without them: {let_go.status}", ""
+        states = solved.states([solved.case(let_go, pair, freed) for pair in pairs])
+        note = f"the screw left free along its axis: {pressed}"
+    torques = [state.friction_sums.friction_torque if state.all_balanced else None for state in states]
+    return torques, "no balance of friction found" if torques[0] is None else "", note
 
 
 def without_axial_supports(supports: Sequence[Support]) -> tuple[Support, ...]:
@@ -527,16 +501,6 @@ def without_axial_supports(supports: Sequence[Support]) -> tuple[Support, ...]:
     """
     freed = (replace(s, fixed=tuple(held for held in s.fixed if held[0] != "uz")) for s in supports)
     return tuple(s for s in freed if s.fixed)
-
-
-def drag_torque_of_state(state: FrictionState) -> DragTorque:
-    """Return the drag torque of an unloaded screw from its solved friction, or the reason why there is none.
-
-    ``state``: friction of the screw without axial load.
-    """
-    if not state.all_balanced:
-        return DragTorque(None, "no balance of friction found")
-    return DragTorque(state.friction_sums.friction_torque)
 
 
 def friction_status(state: FrictionState) -> str:
@@ -578,43 +542,43 @@ OVER_KEYS = (
     *("efficiency_forward_percent", "efficiency_backward_percent", "self_locking"),
 )
 
-#: Coefficients of friction of screw and nut, then for each pair of them the friction, then the drag torque.
-SolvedPairs = tuple[Sequence[Friction], Sequence[FrictionState], Sequence[DragTorque]]
-
 
 def friction_of_solved_loads(
-    solved: StaticallySolvedPart, result: StaticResult, head: dict[str, Any], pairs: SolvedPairs
+    solved: StaticallySolvedPart,
+    result: StaticResult,
+    pairs: Sequence[Friction],
+    states: Sequence[FrictionState],
+    **more: Any,
 ) -> records.Friction:
-    """Return the friction of a whole screw or bearing, without other coefficients of friction, play and time.
+    """Return the friction of a whole screw or bearing.
 
-    ``solved``: the scene with its static result without loads; ``result``: static result under the loads; ``head``: fields
-    on scene and model; ``pairs``: coefficients of friction, then the friction and the drag torque for each pair of them.
+    ``solved``: the scene with its static result without loads; ``result``: static result under the loads; ``pairs``:
+    coefficients of friction; ``states``: friction for each pair of them; ``more``: further fields, such as those on scene
+    and model, the play and the onset of contact between balls.
     """
-    (friction, *_), (state, *_), (drag, *_) = pairs
-    scene = solved.scene
-    status = friction_status(next((s for s in pairs[1] if not s.all_balanced), state))
+    scene, friction, state, play = solved.scene, pairs[0], states[0], more.get("play")
+    drags, drag_unknown, drag_note = drag_torques(solved, states, pairs)
+    status = friction_status(next((s for s in states if not s.all_balanced), state))
     flat, curved = friction_of_curved_contacts(solved.case(result, friction), state) if state.loaded else (None, None)
     # assumptions of the model alone are marked, because the model neglects friction
     of_loads = [line if line in scene.assumed else f"contact loads: {line}" for line in result.assumed]
     e, slip = state.friction_sums, output.change_of_losses(flat, curved)
     loads = results_of_contact_loads(scene, result.load, result.contact_angle, result.member)
-    warnings = [*result.warnings, *warnings_of_set(loads, axial_preload(solved))]
+    warnings = [*result.warnings, *warnings_of_set(loads, solved.preload)]
     warnings += notes_on_friction_feedback(solved, result, state)
     if abs(slip) > WIDE:
         text = "the contacts are so wide that their curvature (Heathcote slip) would change the friction torque, which"
         warnings.append(ResultWarning("slip", f"{text} leaves it out, by {100.0 * slip:+.2g} %"))
     over = (
-        records.FrictionAtCoefficients(
-            screw=f.screw, nut=f.nut, keys=OVER_KEYS, **friction_torques(s.friction_sums, d.torque)
-        )
-        for f, s, d in zip(*pairs, strict=True)
+        records.FrictionAtCoefficients(screw=f.screw, nut=f.nut, keys=OVER_KEYS, **friction_torques(s.friction_sums, drag))
+        for f, s, drag in zip(pairs, states, drags, strict=True)
     )
     return records.Friction(
-        **head,
-        **friction_torques(e, drag.torque),
+        **more,
+        **friction_torques(e, drags[0]),
         **output.power_balance(e.input_power, e.power),
         reason=status,
-        converged=all(s.all_balanced for s in pairs[1]),
+        converged=all(s.all_balanced for s in states),
         law="coulomb",
         coupled=state.friction_changes_loads,
         screw_coefficient=friction.screw,
@@ -622,8 +586,8 @@ def friction_of_solved_loads(
         turns=solved.motion.turns,
         speed=solved.motion.speed,
         balls=output.balls_with_friction(result, state),
-        drag_unknown=drag.reason_without_torque or None,
-        drag_note=drag.note or None,
+        drag_unknown=drag_unknown or None,
+        drag_note=drag_note or None,
         over=tuple(over),
         by_contact=output.losses_by_contact_and_cause(state, curved),
         loss_between_balls=0.0 if state.neighbour_friction is None else state.neighbour_friction.power_lost_between_balls,
@@ -641,6 +605,9 @@ def friction_of_solved_loads(
         jammed_balls=None if state.jammed_balls is None else tuple(k + 1 for k in state.jammed_balls),
         assumed=(*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *of_loads),
         left_out=tuple(output.effects_neglected_at_one_instant(friction)),
-        warnings=tuple(output.friction_warnings(scene, friction, state, warnings)),
+        warnings=(
+            *(() if play is None else (play_warning(play),)),
+            *output.friction_warnings(scene, friction, state, warnings),
+        ),
         keys=KEYS,
     )
