@@ -111,7 +111,7 @@ def escape_formula(text: str) -> str:
     >>> escape_formula("=1+1"), escape_formula("-3.5"), escape_formula("+ nut")
     ("'=1+1", '-3.5', "'+ nut")
     """
-    number = re.fullmatch(r"[+-]?[0-9.]+([eE][+-]?[0-9]+)?( [%\w/]+)?", text)
+    number = re.fullmatch(r"[+-]?[0-9.]+([eE][+-]?[0-9]+)?( [%\w/]+){0,2}", text)
     return f"'{text}" if text[:1] in tuple("=+-@\t\r") and not number else text
 
 

@@ -21,16 +21,30 @@ from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.reference.tasks import Solvable, flanks_to_mesh, mesh_settings
 from rollbench.compare.running import check_gmsh
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck, raise_first_fault
+from rollbench.hifi import fields
+from rollbench.hifi.bodies.coarse import convert_mesh_order
+from rollbench.hifi.contact.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
+from rollbench.hifi.meshing import part_meshes
+from rollbench.hifi.meshing.part_meshes import element_type_of_bodies, mesh_parts
+from rollbench.hifi.reference import solve_reference
+from rollbench.hifi.setup import mesh_and_condense_geometry
+from rollbench.hifi.several_sets import meshed_geometry_of_each_set
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.block import EllipsoidElementSizes, mesh_block_with_tetrahedra
+from rollbench.meshes.cache import Cache
+from rollbench.meshes.exchange import whole_bodies
 from rollbench.meshes.exchange.deck import UNITS, deck_text
 from rollbench.meshes.exchange.mesh_files import with_only_boundaries
+from rollbench.meshes.exchange.step_files import PlacedNutOrBearing
+from rollbench.meshes.groove import GroovedBodySpec
+from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Load, Scene, Support
+from rollbench.meshes.sockets import points_in_box_at_azimuth_zero
+from rollbench.meshes.solid import dimensions_of_3d_parts
 
 if TYPE_CHECKING:
     from skfem import Mesh
-
-    from rollbench.meshes.exchange.step_files import PlacedNutOrBearing
 
 
 #: Name of the quarter block for a Hertz contact, refined as in Lin's thesis; it does not depend on the scene.
@@ -69,10 +83,6 @@ def nuts_and_bearings_on_shaft(described: Solvable) -> list[PlacedNutOrBearing]:
     Beyond these ends the shaft is a beam in the 3D reference. Raises ValueError for a row of rollers, whose geometry cannot
     be written.
     """
-    from rollbench.hifi.several_sets import meshed_geometry_of_each_set
-    from rollbench.meshes.exchange.step_files import PlacedNutOrBearing
-    from rollbench.meshes.solid import dimensions_of_3d_parts
-
     if isinstance(described, Scene):
         return [PlacedNutOrBearing(described, 0.0, dimensions_of_3d_parts(described).ends_of_meshed_screw(described))]
     out = []
@@ -111,19 +121,10 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
         If the part cannot be meshed.
     """
     if part == BLOCK:
-        from rollbench.hifi.contact.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
-        from rollbench.meshes.block import EllipsoidElementSizes, mesh_block_with_tetrahedra
-
         influence = EllipsoidElementSizes(SOURCE_FINE, (SOURCE_RADIUS,) * 3, 0.2, SOURCE_COARSE)
         return with_only_boundaries(mesh_block_with_tetrahedra(1, influence, SOURCE_COARSE).mesh, "contact")
     if part in BODIES:
         return _mesh_whole_body(scene, part, level)
-    from rollbench.hifi.bodies.coarse import convert_mesh_order
-    from rollbench.hifi.meshing import part_meshes
-    from rollbench.meshes.cache import Cache
-    from rollbench.meshes.groove_map import GrooveMap
-    from rollbench.meshes.sockets import points_in_box_at_azimuth_zero
-    from rollbench.meshes.solid import dimensions_of_3d_parts
 
     settings, sides, m = mesh_settings([scene], level), flanks_to_mesh(scene), GrooveMap.from_scene(scene)
     layout, dims = ball_layout(scene), dimensions_of_3d_parts(scene)
@@ -173,13 +174,6 @@ def solve_displacement_and_stress_of_part(
         If the scene cannot be solved, or if a support or load acts on the screw at a larger z than the low end of its 3D
         mesh.
     """
-    from rollbench.hifi import fields
-    from rollbench.hifi.bodies.coarse import convert_mesh_order
-    from rollbench.hifi.meshing.part_meshes import element_type_of_bodies, mesh_parts
-    from rollbench.hifi.reference import solve_reference
-    from rollbench.hifi.setup import mesh_and_condense_geometry
-    from rollbench.meshes.cache import Cache
-
     settings, sides, store = mesh_settings([scene], level), flanks_to_mesh(scene), Cache(cache)
     setup = mesh_and_condense_geometry(scene, sides, settings, cache=store)
     result = solve_reference(setup, scene)
@@ -217,13 +211,6 @@ def _mesh_whole_body(scene: Scene, part: str, level: int) -> Mesh:
 
     ``part``: "screw" (the length of it that is modelled in 3D), "nut" or "ball"; ``level``: mesh level of the 3D reference.
     """
-    from rollbench.hifi.bodies.coarse import convert_mesh_order
-    from rollbench.hifi.meshing import part_meshes
-    from rollbench.meshes.exchange import whole_bodies
-    from rollbench.meshes.groove import GroovedBodySpec
-    from rollbench.meshes.groove_map import GrooveMap
-    from rollbench.meshes.solid import dimensions_of_3d_parts
-
     settings, sides, m = mesh_settings([scene], level), flanks_to_mesh(scene), GrooveMap.from_scene(scene)
     layout, dims, middle = ball_layout(scene), dimensions_of_3d_parts(scene), np.zeros((1, 2))
     if part == "ball":

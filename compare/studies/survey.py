@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
+from itertools import product
 from math import floor, pi
 from pathlib import Path
 from time import process_time
@@ -730,9 +731,6 @@ def _record_of_model_errors(
 #: Status of a solved screw.
 ANSWERED = "converged"
 
-#: Columns of the table of errors.
-SUMS = ("model", "error", "scenes", "median", "p95", "largest")
-
 #: Errors in the table of errors, by their names in the records.
 ERRORS = ("largest_percent", "gate_percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
 
@@ -880,21 +878,21 @@ def model_accuracy_on_random_screws(records: Sequence[Record], model: str = "ref
     return ModelAccuracy(len(errors), within, median, most, max(worst, default=0.0), held)
 
 
+def median_p95_and_largest(sizes: Sequence[float]) -> dict[str, float]:
+    """Return median, 95th percentile and maximum of sizes of errors, by the keys of a table row."""
+    median, most = map(float, np.percentile(sizes, [50, 95]))
+    return {"median": median, "p95": most, "largest": max(sizes)}
+
+
 def error_summary_rows_of_all_models(records: Sequence[Record]) -> list[dict[str, Any]]:
     """Return table rows with median, 95th percentile and maximum of each model's errors over randomly drawn screws.
 
-    There is a row for each model and kind of error of a screw, such as the largest or the root mean square. The keys of a
-    row are `SUMS`, where "scenes" is the number of screws for which the kind of error is known.
+    There is a row for each model and kind of error of a screw, such as the largest or the root mean square; "scenes" is the
+    number of screws for which the kind of error is known.
     """
     rows = []
-    for model in MODELS:
-        for error in ERRORS:
-            sizes = [
-                abs(errors[error])
-                for r in records
-                if (errors := r.get("models", {}).get(model, {})).get(error) is not None and r["status"] == ANSWERED
-            ]
-            if sizes:
-                found = (model, error, len(sizes), *np.percentile(sizes, [50, 95]), max(sizes))
-                rows.append(dict(zip(SUMS, found, strict=True)))
+    for model, error in product(MODELS, ERRORS):
+        known = (r.get("models", {}).get(model, {}).get(error) for r in records if r["status"] == ANSWERED)
+        if sizes := [abs(value) for value in known if value is not None]:
+            rows.append({"model": model, "error": error, "scenes": len(sizes), **median_p95_and_largest(sizes)})
     return rows

@@ -433,12 +433,12 @@ def error_summary_rows_of_model(model: str, rows: Sequence[SurveyRow]) -> list[R
 
     ``model``: name of the model; ``rows``: rows of `judge_model_on_random_screw` for this model.
     """
-    out = []
-    for error, words in ERRORS.items():
-        if sizes := errors_of_rows(rows, error):
-            found = model_title(model), words, len(sizes), *map(float, np.percentile(sizes, [50, 95])), max(sizes)
-            out.append(dict(zip(("model", "error", "screws", "median", "p95", "largest"), found, strict=True)))
-    return out
+    known = ((words, errors_of_rows(rows, error)) for error, words in ERRORS.items())
+    return [
+        {"model": model_title(model), "error": words, "screws": len(sizes), **survey.median_p95_and_largest(sizes)}
+        for words, sizes in known
+        if sizes
+    ]
 
 
 #: Kinds of screws for which errors are summarised: name of the kind, and function that returns whether a record is of it.

@@ -21,7 +21,6 @@ from rollbench.compare.models.many import solve_many, stored_in
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.model_form import estimate_model_error
 from rollbench.compare.models.registry import default_model_name
-from rollbench.compare.models.stiffness import SceneStiffness
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.results.table import CONVERGED, QUANTITIES, Over, Table, TableRow
 from rollbench.compare.scenes import catalogue, scene_file
@@ -178,7 +177,7 @@ def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableRequest) ->
     result = solved.result
     if not result.converged:
         return TableRow(str(result.status))
-    matrix, status = None, CONVERGED
+    matrix, status, of_points = None, CONVERGED, dict[str, Any]()
     errors: dict[str, Any] = {"error_words": "not for several nuts or bearings; rollbench solve has it for a double nut"}
     tangent: TangentStiffness | None = None
     if isinstance(scene, Scene) and isinstance(result, StaticResult):
@@ -196,21 +195,17 @@ def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableRequest) ->
         status = f"no stiffness: {tangent.status}"
     elif tangent is not None:
         matrix = tangent.matrix
-    pressure = None
-    if "pressure" in request.quantities:
-        pressure = max(columns.largest_pressures(solved), default=None)
-    points: SceneStiffness | None = None
     if {"stiffness", "displacement"} & set(request.quantities):
         points = solved.stiffness
         if points.load_point.along != "z":  # compared along the axis only
             errors |= {"displacement_error": None, "rigidity_error": None}
-    both = () if points is None else (points.nut, points.load_point)
-    tangent_of_nut, tangent_of_load = [x.tangent for x in both if "stiffness" in request.quantities] or [None, None]
-    moved_nut, moved_load = [x.displacement for x in both if "displacement" in request.quantities] or [None, None]
+        for quantity, field in (("stiffness", "tangent"), ("displacement", "displacement")):
+            if quantity in request.quantities:
+                of_points |= {f"{at}_{field}": getattr(getattr(points, at), field) for at in ("nut", "load_point")}
+    pressure = max(columns.largest_pressures(solved), default=None) if "pressure" in request.quantities else None
     kept = ("largest_load_N", "preload_N", "life_million_revolutions")
     load, preload, life = (found.get(name) if name in names else None for name in kept)
-    of_points = tangent_of_nut, tangent_of_load, moved_nut, moved_load
-    return TableRow(status, matrix, *of_points, load, preload, pressure, life, **errors)
+    return TableRow(status, matrix, load=load, preload=preload, pressure=pressure, life=life, **of_points, **errors)
 
 
 def _expected_errors_for_row(scene: Scene, result: StaticResult) -> dict[str, Any]:

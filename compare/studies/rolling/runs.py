@@ -225,10 +225,11 @@ def _solve_on_grid(scene: FrictionScene, level: int, bodies: str, processes: int
     systems = (case.apart, case.touching)
     elsewhere = balls.cache_kernels_of_scenes(systems, sizes, processes)
     variants = (("elastic", 1.0, True), ("near", NEARLY_RIGID, True), ("flat", 1.0, False))
-    pairs = {
-        name: _solve_balls_apart_and_touching(case, RollingSettings(shape, share, curved, sizes))
-        for name, share, curved in variants
-    }
+    pairs = {}
+    for name, share, curved in variants:
+        choices = RollingSettings(shape, share, curved, sizes)
+        alone = balls.solve_rolling(case.apart, choices)
+        pairs[name] = alone, alone if case.touching is case.apart else balls.solve_rolling(case.touching, choices)
     limits = [[balls.solve_rigid_rolling(s, n, bodies=sizes) for s in systems] for n in QUADRATURES]
     measured = {name: forces_speeds_and_losses_by_name(case, *pair) for name, pair in pairs.items()}
     fine, other = (forces_speeds_and_losses_by_name(case, *pair) for pair in limits)
@@ -252,16 +253,6 @@ def _solve_on_grid(scene: FrictionScene, level: int, bodies: str, processes: int
         bodies=bodies,
         **asdict(measuring_conditions()),
     )
-
-
-def _solve_balls_apart_and_touching(case: RollingCase, choices: RollingSettings) -> tuple[RollingResult, RollingResult]:
-    """Return the 3D solution with balls far apart, then the 3D solution with balls that touch.
-
-    ``case``: both systems of balls; if the systems are the same, they are solved only once. ``choices``: grid of the
-    contacts, and bodies.
-    """
-    apart = balls.solve_rolling(case.apart, choices)
-    return apart, (apart if case.touching is case.apart else balls.solve_rolling(case.touching, choices))
 
 
 def forces_speeds_and_losses_by_name(

@@ -6,8 +6,6 @@ statistics, main effects, Sobol indices, figures and the samples with the larges
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -16,12 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.stats import sobol_indices
+from scipy.stats import sem, sobol_indices
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError, ProgramError, SceneNotCoveredError
-from rollbench.compare.files import replace_file, write_figure, written_together
+from rollbench.compare.files import replace_file, write_csv, write_figure, written_together
 from rollbench.compare.models import many, user_models
 from rollbench.compare.models.registry import DEFAULT, MODELS, default_model_name
 from rollbench.compare.reference.jobs import ComputingSettings
@@ -322,32 +319,16 @@ def main_effects(keys: Sequence[sweep_keys.VariedKey], rows: Sequence[many.Recor
     ``rows``: records of the converged samples.
     """
     x, y = key_values_as_numbers(keys, rows), output_values(rows, MAIN)
-    return {
-        vary.key: [_mean_key_and_output_of_group(x[g, k], y[g]) for g in _sample_masks_by_key_range(vary, x[:, k])]
-        for k, vary in enumerate(keys)
-    }
-
-
-def _sample_masks_by_key_range(varied_key: sweep_keys.VariedKey, key_values: Array) -> list[NDArray[np.bool_]]:
-    """Group k samples by the value of a varied key: return a Boolean mask (k,) for each part of its range or list value.
-
-    ``varied_key``: the key; ``key_values``: values of the key in the samples, (k,).
-    """
-    distinct = np.unique(key_values)
-    if distinct.size <= BINS or varied_key.listed_values:
-        return [key_values == value for value in distinct]
-    bins = np.clip(((key_values - varied_key.low) / (varied_key.high - varied_key.low) * BINS).astype(int), 0, BINS - 1)
-    return [bins == k for k in np.unique(bins)]
-
-
-def _mean_key_and_output_of_group(key_values: Array, outputs: Array) -> GroupMean:
-    """Return for a group of k samples the means of a key and of an output.
-
-    ``key_values``: values of the key (k,); ``outputs``: values of the output (k,).
-    """
-    at, mean, count = float(key_values.mean()), float(outputs.mean()), outputs.size
-    error = float(outputs.std(ddof=1) / np.sqrt(count)) if count > 1 else 0.0
-    return GroupMean(at, mean, error, count)
+    effects = {}
+    for vary, at in zip(keys, x.T, strict=True):
+        group = at
+        if np.unique(at).size > BINS and not vary.listed_values:
+            group = np.clip(((at - vary.low) / (vary.high - vary.low) * BINS).astype(int), 0, BINS - 1)
+        of_groups = [(at[group == g], y[group == g]) for g in np.unique(group)]
+        effects[vary.key] = [
+            GroupMean(float(a.mean()), float(b.mean()), float(sem(b)) if b.size > 1 else 0.0, b.size) for a, b in of_groups
+        ]
+    return effects
 
 
 def sobol_indices_by_output(sweep: SweepDefinition, records: Mapping[int, many.Record]) -> SobolIndices | str:
@@ -617,7 +598,7 @@ def solve_sweep(
     records = solve_missing_samples(sweep, out, engine, show_progress)
     found = sweep_summary(sweep, records, out)
     with written_together():
-        replace_file(out / "samples.csv", samples_csv(sweep, records))
+        write_csv(out / "samples.csv", [_sample_as_row(sweep, records[n]) for n in sorted(records)])
         replace_file(
             out / "summary.json", json.dumps(found.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
         )
@@ -626,17 +607,12 @@ def solve_sweep(
     return found
 
 
-def samples_csv(sweep: SweepDefinition, records: Mapping[int, many.Record]) -> str:
-    """Return the samples of a sweep as CSV text, with one row for each sample.
+def _sample_as_row(sweep: SweepDefinition, record: many.Record) -> dict[str, Any]:
+    """Return a sample as a row of samples.csv.
 
     The columns are the number of the sample, the values of the varied keys, the status, the outputs, and "at", which names
-    the contact with the largest load. ``records``: records of the samples by sample number.
+    the contact with the largest load.
     """
-    text = io.StringIO()
-    writer = csv.writer(text)
-    writer.writerow(["sample", *(v.key for v in sweep.keys), "status", *sweep.wanted_outputs, "at"])
-    for n in sorted(records):
-        row = records[n]
-        kept = ["" if row.get(k) is None else row[k] for k in (*sweep.wanted_outputs, "at")]
-        writer.writerow([n, *row["values"], row["status"], *kept])
-    return text.getvalue()
+    values = {vary.key: value for vary, value in zip(sweep.keys, record["values"], strict=True)}
+    answers = {name: record.get(name) for name in ("status", *sweep.wanted_outputs, "at")}
+    return {"sample": record["sample"], **values, **answers}
