@@ -153,14 +153,11 @@ def write_new_file(path: Path, text: str) -> None:
         raise InputError(str(path), "file", "an existing file", "a new file", "choose another name, or remove the file")
     with raise_input_error_if_not_writable(path):
         name = temporary_path(path)
-        file = open(name, "x", encoding="utf-8")  # noqa: SIM115 - closed below
-    try:
-        with raise_input_error_if_not_writable(path, "a file that can be written"):
-            with file:
-                file.write(text)
+        try:
+            name.write_text(text, encoding="utf-8")
             os.link(name, path)
-    finally:
-        os.unlink(name)
+        finally:
+            name.unlink(missing_ok=True)
 
 
 def read_from_first_valid_folder(stores: Sequence[Path], file_name: str, build_object: Callable[[Any], T]) -> T | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -112,10 +113,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         f"Computed by: {sweep_command(found)}.",
     )
     table = Table.from_rows("tolerances", "Effect of each tolerance on the largest contact load", rows)
-
-    def short(tolerance: VariedKey) -> str:
-        return tolerance_description(tolerance).partition(":")[0]
-
-    figures = figures_from_sweep_summary("tolerances", keys, found["main_effects"], found["worst"], found["indices"], short)
+    named = [replace(key, shown_name=tolerance_description(key).partition(":")[0]) for key in keys]
+    figures = figures_from_sweep_summary("tolerances", named, found["main_effects"], found["worst"], found["indices"])
     title = "Effect of each tolerance on the largest contact load in Lin's case 3"
     return Section("tolerances", title, (Text(text), table, *figures), conclusion=conclusion)

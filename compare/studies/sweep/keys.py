@@ -72,6 +72,8 @@ class VariedKey:
     whole_numbers_only: bool = False
     #: Values that the key takes, as a scene file writes them; empty: all values of the range.
     listed_values: tuple[Any, ...] = ()
+    #: Name that figures show; empty: path of the first key, and number of other keys that take the same value.
+    shown_name: str = ""
 
     def value_at_relative_position(self, relative_position: float) -> Any:
         """Return the value of the key at a relative position (0 to 1) in its range or list, as in a scene file."""
@@ -111,9 +113,9 @@ class VariedKey:
 
     @property
     def short_name(self) -> str:
-        """Short name: path of the first key, and number of other keys that take the same value."""
+        """Short name: ``shown_name``, else path of the first key, and number of other keys that take the same value."""
         first, *others = self.key_paths
-        return f"{first} (+{len(others)})" if others else first
+        return self.shown_name or (f"{first} (+{len(others)})" if others else first)
 
 
 def read_varied_keys_of_table(texts: Sequence[str], argument: str = "over") -> tuple[VariedKey, ...]:

@@ -414,19 +414,17 @@ def figures_from_sweep_summary(
     effects: Mapping[str, Sequence[GroupMean]],
     worst: Sequence[many.Record],
     indices: SobolIndices | str,
-    short_name: Callable[[sweep_keys.VariedKey], str] = lambda vary: vary.short_name,
 ) -> list[Figure]:
     """Return the figures of a sweep that need only the summary of the sweep, not the records of its samples.
 
-    ``name``: start of the figures' names; ``effects``, ``worst``, ``indices``: as the fields of `Sweep`; ``short_name``:
-    function that returns the short name of a key.
+    ``name``: start of the figures' names; ``effects``, ``worst``, ``indices``: as the fields of `Sweep`.
     """
     shown, left = _keys_with_largest_effect(keys, effects)
     figures = [
-        _main_effects_figure(name, [keys[k] for k in shown], effects, left, short_name),
-        _worst_samples_figure(name, keys, worst, short_name),
+        _main_effects_figure(name, [keys[k] for k in shown], effects, left),
+        _worst_samples_figure(name, keys, worst),
     ]
-    shares = _sobol_indices_figure(name, keys, indices, short_name)
+    shares = _sobol_indices_figure(name, keys, indices)
     return figures if shares is None else [*figures, shares]
 
 
@@ -460,13 +458,11 @@ def _main_effects_figure(
     keys: Sequence[sweep_keys.VariedKey],
     effects: Mapping[str, Sequence[GroupMean]],
     left_out_sentence: str,
-    short_name: Callable[[sweep_keys.VariedKey], str],
 ) -> Figure:
     """Return a figure of the mean of the largest contact load over each varied key, with the standard error of the mean.
 
     ``figure_name``: start of the figure's name; ``keys``: varied keys to show; ``effects``: main effects of the sweep;
-    ``left_out_sentence``: sentence on keys that are left out, empty if there are none; ``short_name``: function that
-    returns the short name of a key.
+    ``left_out_sentence``: sentence on keys that are left out, empty if there are none.
     """
     panels = []
     for vary in keys:
@@ -474,9 +470,7 @@ def _main_effects_figure(
         at, mean = [g.at for g in groups], [g.mean for g in groups]
         low, high = ([g.mean + sign * g.standard_error for g in groups] for sign in (-1.0, 1.0))
         series = Series("mean", at, mean, "line+markers", error_bars=(low, high))
-        short = short_name(vary)
-        label = vary.axis_label if short == vary.short_name or not vary.unit else f"{short} / {vary.unit}"
-        panels.append(Panel(short, label, LOAD, (series,), integer_x=bool(vary.listed_values)))
+        panels.append(Panel(vary.short_name, vary.axis_label, LOAD, (series,), integer_x=bool(vary.listed_values)))
     title = "Mean of the largest contact load of a sample, plotted against the value of each varied input"
     caption = (
         "Each mean is taken over the samples in one part of the range of the input; bars: standard error of this mean."
@@ -505,16 +499,10 @@ def _sample_scatter_figure(
     return Figure(f"{name}-scatter", title, tuple(panels), caption)
 
 
-def _worst_samples_figure(
-    name: str,
-    keys: Sequence[sweep_keys.VariedKey],
-    worst: Sequence[many.Record],
-    short_name: Callable[[sweep_keys.VariedKey], str],
-) -> Figure:
+def _worst_samples_figure(name: str, keys: Sequence[sweep_keys.VariedKey], worst: Sequence[many.Record]) -> Figure:
     """Return a figure of the samples with the largest contact loads: position of each varied key in its range.
 
-    ``name``: start of the figure's name; ``worst``: records of these samples; ``short_name``: function that returns the
-    short name of a key.
+    ``name``: start of the figure's name; ``worst``: records of these samples.
     """
     kept = _indices_of_keys_without_seed(keys)
     x, keys = key_values_as_numbers(keys, worst)[:, kept], [keys[k] for k in kept]
@@ -526,22 +514,16 @@ def _worst_samples_figure(
         Series(f"{row[MAIN]:.4g} N at {row['at']}", number, list(at)) for row, at in zip(worst[:5], place[:5], strict=True)
     )
     caption = f"Value of each varied input as position in its range (0: lower end, 1: upper end), in {len(series)} samples."
-    ylabel, names = "position in the range of the input", [short_name(v) for v in keys]
+    ylabel, names = "position in the range of the input", [v.short_name for v in keys]
     panel = Panel("samples with the largest loads", "", ylabel, series, abscissa_names=names)
     title = "Values of the varied inputs in the samples with the largest contact loads"
     return Figure(f"{name}-worst", title, (panel,), caption)
 
 
-def _sobol_indices_figure(
-    name: str,
-    keys: Sequence[sweep_keys.VariedKey],
-    indices: SobolIndices | str,
-    short_name: Callable[[sweep_keys.VariedKey], str],
-) -> Figure | None:
+def _sobol_indices_figure(name: str, keys: Sequence[sweep_keys.VariedKey], indices: SobolIndices | str) -> Figure | None:
     """Return a figure of the Sobol indices of the largest contact load, with confidence intervals; None without indices.
 
-    ``name``: start of the figure's name; ``indices``: result of `sobol_indices_by_output`; ``short_name``: function that
-    returns the short name of a key.
+    ``name``: start of the figure's name; ``indices``: result of `sobol_indices_by_output`.
     """
     if isinstance(indices, str) or (main := indices.outputs.get(MAIN)) is None:
         return None
@@ -557,7 +539,7 @@ def _sobol_indices_figure(
         f"{indices.base_points} base points of the design, with {100 * indices.confidence:g} % confidence intervals. "
         "First-order index: effect of the input alone; total index: including its interactions."
     )
-    names, shares = [short_name(v) for v in keys], tuple(series)
+    names, shares = [v.short_name for v in keys], tuple(series)
     panel = Panel("Sobol indices", "", "share of the variance", shares, include_zero=True, abscissa_names=names)
     title = "Share of the variance of the largest contact load that each varied input causes"
     return Figure(f"{name}-indices", title, (panel,), caption)
