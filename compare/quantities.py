@@ -126,26 +126,19 @@ def _unit_of_dotted_key(key: str) -> tuple[str, Unit | None]:
     return last[0], next((unit for _, unit in (last, *reversed(tables)) if unit is not None), None)
 
 
-def heading_and_unit(stated: QuantityDescription) -> tuple[str, str]:
-    """Return the heading and the unit with which tables show a quantity; ``stated``: description of the quantity."""
-    words, unit = _unit_of_dotted_key(stated.key)
-    return stated.heading or words.replace("_", " "), "" if unit is None else unit.text
-
-
 def _quantity_of_field(name: str, description: QuantityDescription) -> Quantity:
     """Return the quantity of a record's field: key, heading, unit, format, and function that gets its value for JSON.
 
     ``name``: name of the field; ``description``: description of the quantity in this field.
     """
-    unit = _unit_of_dotted_key(description.key)[1]
-    factor = 1.0 if unit is None else unit.factor
+    words, unit = _unit_of_dotted_key(description.key)
+    heading, (unit_text, factor) = description.heading or words.replace("_", " "), unit or Unit("")
 
     def value(holder: Any) -> Any:
         """Return the field ``name`` of the record ``holder`` as a JSON value, in the unit with which the JSON key ends."""
         return _in_key_unit(description.shown(getattr(holder, name)), factor)
 
-    label, unit_text = heading_and_unit(description)
-    return Quantity(description.key, label, unit_text, description.form, name=name, described=description, value=value)
+    return Quantity(description.key, heading, unit_text, description.form, name=name, described=description, value=value)
 
 
 @overload
@@ -180,8 +173,8 @@ def fields_from_json(record_class: type, data: Mapping[str, Any]) -> dict[str, A
             value: Any = data
             for key in one.key.split("."):
                 value = value.get(key) if isinstance(value, Mapping) else None
-            unit = _unit_of_dotted_key(one.key)[1]
-            out[field.name] = _in_key_unit(value, 1.0 if unit is None else 1.0 / unit.factor)
+            unit = _unit_of_dotted_key(one.key)[1] or Unit("")
+            out[field.name] = _in_key_unit(value, 1.0 / unit.factor)
     return out
 
 

@@ -19,7 +19,7 @@ from functools import cache, partial
 from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -564,8 +564,7 @@ class TimedRun:
     load: list[list[float]]
 
 
-@dataclass(frozen=True)
-class StoredTimedRuns:
+class StoredTimedRuns(NamedTuple):
     """Timed solutions of random screws, with version and machine of the measurement."""
 
     #: Program version, digest of the program's source files, and machine of the measurement.
@@ -660,17 +659,17 @@ def time_models_and_levels_on_screws(
     if the file cannot be written.
     """
     conditions, known = measuring_conditions(), load_timed_runs((store,))
-    runs = list(known.runs) if known is not None and known.measuring_conditions == conditions else []
-    done = {(run.number, run.name) for run in runs}
+    found = known if known is not None and known.measuring_conditions == conditions else StoredTimedRuns(conditions, [])
     numbers = numbers_of_timed_screws()[:count]
     wanted = [(n, name) for name in TIMED for n in (numbers[:FINEST_COUNT] if name == TIMED[-1] else numbers)]
-    jobs = [one for one in wanted if one not in done]
-    engine = ComputingSettings(parallel_jobs=usable_cores())
-    for _, run in solve_many(solve_and_time, dict(enumerate(jobs)), engine):
-        runs = sorted([*runs, run], key=lambda x: (x.number, TIMED.index(x.name)))
-        save_timed_runs(store, StoredTimedRuns(conditions, runs))
+    done = {(run.number, run.name) for run in found.runs}
+    jobs = dict(enumerate(one for one in wanted if one not in done))
+    for _, run in solve_many(solve_and_time, jobs, ComputingSettings(parallel_jobs=usable_cores())):
+        runs = sorted([*found.runs, run], key=lambda x: (x.number, TIMED.index(x.name)))
+        found = StoredTimedRuns(conditions, runs)
+        save_timed_runs(store, found)
         show_progress(f"[{len(runs)}/{len(wanted)}] drawn screw {run.number}, {run.name}: {run.seconds:.2g} s")
-    return StoredTimedRuns(conditions, runs)
+    return found
 
 
 def save_timed_runs(folder: Path, timed: StoredTimedRuns) -> None:
