@@ -36,6 +36,8 @@ Start = Literal["nominal", "guess", "load steps"]
 
 #: Number of iterations after which Newton's method gives up.
 MOST = 60
+#: Relative residual at which Newton's method ends.
+TOLERANCE = 1e-12
 
 
 @dataclass(frozen=True)
@@ -260,7 +262,6 @@ def solve_by_lin_equations(
     start_values: Start = "guess",
     everything: bool = False,
     member: int = 0,
-    tolerance: float = 1e-12,
 ) -> LinEquationsSolution:
     """Solve a scene by Lin's equations and Newton's method without line search (eq. 2.26 of Lin's thesis).
 
@@ -278,8 +279,6 @@ def solve_by_lin_equations(
         Whether to model also the ends of the shaft that carry no load.
     member
         Number of the specimen, for a scene with random manufacturing errors.
-    tolerance
-        Relative residual at which the iteration ends.
 
     Raises
     ------
@@ -304,7 +303,7 @@ def solve_by_lin_equations(
     with np.errstate(all="ignore"):
         for fraction in steps:
             load = fraction * problem.load.ravel()
-            x, iterations, residual, status = solve_equations_by_newton(system, x, load, tolerance)
+            x, iterations, residual, status = solve_equations_by_newton(system, x, load)
             total += iterations
             if status != "converged":
                 break
@@ -389,13 +388,11 @@ def _relative_residual(system: LinEquations, residuals: Array, forces: Array, lo
     return max(unbalanced / scale, skew)
 
 
-def solve_equations_by_newton(
-    system: LinEquations, unknowns: Array, load: Array, tolerance: float
-) -> tuple[Array, int, float, str]:
+def solve_equations_by_newton(system: LinEquations, unknowns: Array, load: Array) -> tuple[Array, int, float, str]:
     """Solve Lin's equilibrium equations by Newton's method without line search (equation 2.26 of Lin's thesis).
 
     ``system``: constants of the equations; ``unknowns``: unknowns to start from, in the order of `equations_and_jacobian`;
-    ``load``: loads on the nodes ``(6 n,)`` [N, N m]; ``tolerance``: relative residual at which the iteration ends.
+    ``load``: loads on the nodes ``(6 n,)`` [N, N m].
 
     Returns
     -------
@@ -407,7 +404,7 @@ def solve_equations_by_newton(
     for iteration in range(MOST + 1):
         phi, jac, forces = equations_and_jacobian(system, unknowns, load)
         residual = _relative_residual(system, phi, forces, load) if np.all(np.isfinite(phi)) else np.inf
-        if residual <= tolerance:
+        if residual <= TOLERANCE:
             return unknowns, iteration, residual, "converged"
         stalled = stalled + 1 if residual >= 0.5 * best else 0
         best = min(best, residual)

@@ -183,9 +183,8 @@ def _friction_in_curved_contacts(balls: BallsUnderLoad, start: Array) -> BallFri
     ``start``: motions ``(N, 4)`` [rad/s] to begin from, nan for a ball without load.
     """
     loaded = np.flatnonzero(np.isfinite(start[:, 0]) & (balls.contacts.force > 0.0).any(axis=1))
-    count, (share, top) = len(start), relative_friction_coefficients(balls.friction)
-    q, pull, power = np.full((count, 4), np.nan), np.zeros((count, 4, 3)), np.zeros((count, 4))
-    motion, status, left = np.zeros((count, 4, 3)), ["no load"] * count, 0.0
+    (share, top), power = relative_friction_coefficients(balls.friction), np.zeros((len(start), 4))
+    moved, status, left = (np.zeros((0, 4)), np.zeros((0, 4, 3)), np.zeros((0, 4, 3))), list[str](), 0.0
     if loaded.size:
         pressed = balls.contacts.subset(loaded)
         path = ball_kinematics(balls.scene, balls.drive, balls.scene.balls.radius)
@@ -197,12 +196,9 @@ def _friction_in_curved_contacts(balls: BallsUnderLoad, start: Array) -> BallFri
         found, rubs_back, lost, imbalances = least_dissipation_of_curved(
             speeds, share * pressed.force, start[loaded], slide
         )
-        q[loaded], pull[loaded], power[loaded] = found, -top * rubs_back, top * lost
-        motion[loaded] = np.einsum("nsij,nj->nsi", maps, found) + drives
-        left = float(imbalances.max())
-        for k, imbalance in zip(loaded, imbalances, strict=True):
-            status[k] = "regularised" if imbalance <= BALANCED else "failed"
-    at_rest = np.zeros((count, 4), dtype=bool)
-    rigid = ball_friction_from_motions(balls.contacts, q, motion, pull, at_rest, status, left)
+        moved = found, np.einsum("nsij,nj->nsi", maps, found) + drives, -top * rubs_back
+        power[loaded], left = top * lost, float(imbalances.max())
+        status = ["regularised" if imbalance <= BALANCED else "failed" for imbalance in imbalances]
+    rigid = ball_friction_from_motions(balls.contacts, loaded, moved, status, left)
     curvature = (power - rigid.loss.sum(axis=2))[..., None]
     return replace(rigid, loss=np.concatenate([rigid.loss, curvature], axis=2))

@@ -199,38 +199,39 @@ def _friction_in_groove_axes(
 
     ``loaded``: their numbers ``(n,)``; ``pressed``: their contacts; ``bodies``, ``found``: problem and solution.
     """
-    count, (_, top) = balls.contacts.force.shape[0], relative_friction_coefficients(balls.friction)
+    _, top = relative_friction_coefficients(balls.friction)
     seen, forces = bodies.contact_motions(found.q), found.forces.copy()
     seen[found.rest] = 0.0
     rotate_to_groove_axes(pressed, seen)
     rotate_to_groove_axes(pressed, forces)
-    every, motion, pull = np.full((count, 4), np.nan), np.zeros((count, 4, 3)), np.zeros((count, 4, 3))
-    rest, status = np.zeros((count, 4), dtype=bool), ["no load"] * count
-    every[loaded], motion[loaded], pull[loaded] = found.q, seen, -top * forces
-    rest[loaded] = found.rest & (pressed.force > 0.0)
-    for k, code, good in zip(loaded, found.status, found.balanced(bodies), strict=True):
-        status[k] = STATUS[code] if good else "failed"
+    rest = found.rest & (pressed.force > 0.0)
+    status = [STATUS[k] if good else "failed" for k, good in zip(found.status, found.balanced(bodies), strict=True)]
     left = float((found.imbalance / bodies.bound.sum(axis=1)).max(initial=0.0))
-    return ball_friction_from_motions(balls.contacts, every, motion, pull, rest, status, left)
+    return ball_friction_from_motions(balls.contacts, loaded, (found.q, seen, -top * forces, rest), status, left)
 
 
 def ball_friction_from_motions(
-    contacts: StaticContacts, motions: Array, motion: Array, pull: Array, rest: Mask, status: list[str], imbalance: float
+    contacts: StaticContacts, balls: Index, moved: Sequence[Array | Mask], status: Sequence[str], imbalance: float
 ) -> BallFriction:
     """Return motion, friction and losses of N balls as one record; the losses are friction times motion.
 
-    ``contacts``: contacts of the balls; ``motions``: motions ``(N, 4)`` [rad/s], orbit and then rotation, nan without load;
-    ``motion``: sliding of the contacts across and along the groove [m/s], and spin about the normal [rad/s], ``(N, 4, 3)``;
-    ``pull``: friction on the ball, force across and along the groove [N], and moment about the normal [N m], ``(N, 4, 3)``;
-    ``rest``: whether each contact sticks ``(N, 4)``; ``status``: status of the solution for each ball; ``imbalance``:
-    largest unbalanced force on a ball, as a fraction of the sum of friction bounds (coefficient of friction times contact
-    force) of this ball.
+    ``contacts``: contacts of all balls; ``balls``: numbers of the n balls whose motion is known ``(n,)``; ``moved``: their
+    motions ``(n, 4)`` [rad/s], orbit and then rotation; sliding of their contacts across and along the groove [m/s], and
+    spin about the normal [rad/s], ``(n, 4, 3)``; friction on the ball, force across and along the groove [N], and moment
+    about the normal [N m], ``(n, 4, 3)``; whether each contact sticks ``(n, 4)``, False if left out; ``status``: status of
+    the solution for each of these balls; ``imbalance``: largest unbalanced force on a ball, as a fraction of the sum of
+    friction bounds (coefficient of friction times contact force) of this ball.
     """
+    count, words = len(contacts.force), np.full(len(contacts.force), "no load", dtype=object)
+    motions, motion, pull = np.full((count, 4), np.nan), np.zeros((count, 4, 3)), np.zeros((count, 4, 3))
+    rest, words[balls] = np.zeros((count, 4), dtype=bool), status
+    for whole, part in zip((motions, motion, pull, rest), moved, strict=False):
+        whole[balls] = part
     loaded = contacts.force[..., None] > 0.0
     loss = np.where(loaded, -pull * np.nan_to_num(motion), 0.0) + 0.0
     seen = np.where(loaded, motion, np.nan)
     return BallFriction(
-        motions[:, 0], motions[:, 1:], seen, pull[..., :2], pull[..., 2], loss, rest, tuple(status), imbalance
+        motions[:, 0], motions[:, 1:], seen, pull[..., :2], pull[..., 2], loss, rest, tuple(words), imbalance
     )
 
 

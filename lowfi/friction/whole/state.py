@@ -84,9 +84,8 @@ def friction_with_neighbours(
         left = max(left, moved.largest_unbalanced_force)
         for k in to[pressed]:
             status[k] = "balanced" if moved.converged else "failed"
-    rest = np.zeros(contacts.force.shape, dtype=bool)
     scale = max(max(friction.screw, friction.nut) * float(contacts.force.sum(axis=1).max(initial=0.0)), 1e-30)
-    by_ball = losses.ball_friction_from_motions(contacts, q, motion, pull, rest, status, left / scale)
+    by_ball = losses.ball_friction_from_motions(contacts, np.arange(order.size), (q, motion, pull), status, left / scale)
     return NeighbourFriction(by_ball, force, power, touching, least)
 
 
