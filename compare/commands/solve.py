@@ -161,7 +161,8 @@ def solve_and_report(name: str, solve_options: SolveOptions) -> CommandOutput:
     written: list[str] = []
     with written_together():
         for case, one in cases.items():
-            written += _write_stiffness_matrix(one, _options_of_load_case(solve_options, case) if case else solve_options)
+            path = solve_options.matrix
+            written += _write_stiffness_matrix(one, path.with_stem(f"{path.stem}-{case}") if path and case else path)
         if solve_options.loads_csv is not None:
             written += _write_contact_loads(solve_options.loads_csv, cases)
         if solve_options.plot is not None:
@@ -176,15 +177,6 @@ def solve_and_report(name: str, solve_options: SolveOptions) -> CommandOutput:
         lines += [] if found.tangent is None else tangent_stiffness_parts(found.tangent)
     code = exit_code_of_solutions([*cases.values()], solve_options)
     return CommandOutput(found.to_dict, [*lines, *written], code, wrap_always=True)
-
-
-def _options_of_load_case(solve_options: SolveOptions, name: str) -> SolveOptions:
-    """Return a copy of the options for one load case, with a file of its own for the stiffness matrix.
-
-    ``name``: name of the load case, which is added to the name of that file.
-    """
-    path = solve_options.matrix
-    return replace(solve_options, matrix=path and path.with_stem(f"{path.stem}-{name}"))
 
 
 def _write_contact_loads(path: Path, cases: Mapping[str, Result]) -> list[str]:
@@ -281,7 +273,7 @@ def _check_options(solve_options: SolveOptions) -> tuple[str, float]:
         raise ArgumentError("stiffness_at", solve_options.stiffness_at, "a length with its unit", advice) from None
 
 
-def _write_stiffness_matrix(found: Result, solve_options: SolveOptions) -> list[str]:
+def _write_stiffness_matrix(found: Result, path: Path | None) -> list[str]:
     """Write the stiffness matrix of a load case to the file that the user asked for, if any; return a line that names it.
 
     ``found``: results of the load case. Raises InputError if a degree of freedom of the shaft is fixed at the requested
@@ -289,7 +281,7 @@ def _write_stiffness_matrix(found: Result, solve_options: SolveOptions) -> list[
     """
     import numpy as np
 
-    path, K = solve_options.matrix, found.stiffness
+    K = found.stiffness
     if path is None or not found.converged:
         return []
     if not found.only and (K is None or not np.isfinite(K).all()):

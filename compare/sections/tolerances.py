@@ -39,16 +39,6 @@ def stored_tolerance_sweep() -> dict[str, Any]:
     return found | {"main_effects": effects, "indices": SobolIndices(**(found["indices"] | {"outputs": outputs}))}
 
 
-def sweep_command(sweep_summary: Mapping[str, Any]) -> str:
-    """Return the ``rollbench sweep`` command line that computes a sweep again.
-
-    ``sweep_summary``: stored summary of the sweep, which contains scene, varied parameters and options.
-    """
-    vary = "".join(f' --vary "{text}"' for text in sweep_summary["vary"])
-    options = "".join(f" --{name} {sweep_summary[name]}" for name in ("samples", "method", "seed", "model"))
-    return f"rollbench sweep {sweep_summary['scene'].removesuffix('.toml')}{vary}{options}"
-
-
 def tolerance_description(tolerance: VariedKey) -> str:
     """Return the description of a varied tolerance, such as "misalignment: offset of the right end"."""
     return next((text for start, text in WORDS.items() if tolerance.key.startswith(start)), tolerance.short_name)
@@ -103,6 +93,8 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         f"then {then.lower()} ({second['sobol_total']:.2f}); chance, the random errors "
         f"within the same tolerances, has an index of {luck['sobol_total']:.2f}."
     )
+    vary = "".join(f' --vary "{text}"' for text in found["vary"])
+    options = "".join(f" --{name} {found[name]}" for name in ("samples", "method", "seed", "model"))
     text = (
         (
             "The ranges of the tolerances are assumed, each from zero to a usual value; Lin's thesis states no tolerances. "
@@ -110,7 +102,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
             "alone, the total index including its interaction with others. Their "
             f"{100 * found['indices'].confidence:g} % intervals follow from resampling the design."
         ),
-        f"Computed by: {sweep_command(found)}.",
+        f"Computed by: rollbench sweep {found['scene'].removesuffix('.toml')}{vary}{options}.",
     )
     table = Table.from_rows("tolerances", "Effect of each tolerance on the largest contact load", rows)
     named = [replace(key, shown_name=tolerance_description(key).partition(":")[0]) for key in keys]

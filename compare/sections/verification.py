@@ -109,40 +109,27 @@ def error_target_sentences(computations: Sequence[HertzComputation]) -> list[str
 
     ``computations``: computations of each Hertz contact on all meshes.
     """
-    return [
-        *map(_error_target_sentence, computations_on_production_mesh(computations)),
-        *(_lin_mesh_error_sentence(one) for one in computations if one.mesh_label == SOURCE),
-    ]
-
-
-def _error_target_sentence(computation: HertzComputation) -> str:
-    """Return the sentence on the errors against Hertz on the mesh `PRODUCTION`, and whether they are within `TARGETS`.
-
-    ``computation``: computation of one Hertz contact on this mesh.
-    """
-    run, off = computation.computed, computation.error_percents
-    missed = [name for name, most in TARGETS.items() if not abs(off[name]) <= most]
-    words = {name: "NOT within" if name in missed else "within" for name in TARGETS}
-    parts = [f"{name} {off[name]:+.2f} % ({words[name]} {most} %)" for name, most in TARGETS.items()]
-    return (
-        f"Job {run.contact_name}, {WHAT[run.contact_name]}, mesh of the 3D reference with "
-        f"{run.free_degree_of_freedom_count} unknowns: {', '.join(parts)}. "
-        + (f"NOT MET: {', '.join(missed)}." if missed else "All targets are met.")
-    )
-
-
-def _lin_mesh_error_sentence(computation: HertzComputation) -> str:
-    """Return the sentence that states the errors against Hertz theory on the mesh of Lin's thesis.
-
-    ``computation``: computation of one Hertz contact on that mesh.
-    """
-    run, off = computation.computed, computation.error_percents
-    return (
-        f"Job {run.contact_name} on first-order tetrahedra of the size of Lin's thesis ({run.b_over_h:.1f} across the "
-        f"short semi-axis), errors against Hertz theory: approach {off['approach']:+.1f} %, "
-        f"semi-axes {off['semi-axes']:+.1f} %, "
-        f"pole pressure {off['pole pressure']:+.1f} %, fitted pole pressure {off['fitted pole pressure']:+.1f} %."
-    )
+    sentences = []
+    for one in computations_on_production_mesh(computations):
+        run, off = one.computed, one.error_percents
+        missed = [name for name, most in TARGETS.items() if not abs(off[name]) <= most]
+        words = {name: "NOT within" if name in missed else "within" for name in TARGETS}
+        parts = [f"{name} {off[name]:+.2f} % ({words[name]} {most} %)" for name, most in TARGETS.items()]
+        sentences.append(
+            f"Job {run.contact_name}, {WHAT[run.contact_name]}, mesh of the 3D reference with "
+            f"{run.free_degree_of_freedom_count} unknowns: {', '.join(parts)}. "
+            + (f"NOT MET: {', '.join(missed)}." if missed else "All targets are met.")
+        )
+    for one in computations:
+        if one.mesh_label == SOURCE:
+            run, off = one.computed, one.error_percents
+            sentences.append(
+                f"Job {run.contact_name} on first-order tetrahedra of the size of Lin's thesis ({run.b_over_h:.1f} across "
+                f"the short semi-axis), errors against Hertz theory: approach {off['approach']:+.1f} %, "
+                f"semi-axes {off['semi-axes']:+.1f} %, pole pressure {off['pole pressure']:+.1f} %, "
+                f"fitted pole pressure {off['fitted pole pressure']:+.1f} %."
+            )
+    return sentences
 
 
 def hertz_error_row(computation: HertzComputation) -> Row:

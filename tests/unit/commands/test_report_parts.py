@@ -53,4 +53,4 @@ def test_the_live_check_compares_a_run_with_the_shipped_one(monkeypatch, factor,
     assert found.largest_load_difference_percent == pytest.approx(largest, abs=1e-9)
     assert ("DOES NOT AGREE" in str(found)) is not agrees
     assert recompute_shipped_run((tmp_path,), print) is None, "no run is stored"
-    assert not RecomputedRunCheck("x", 1, float(np.inf), 1.0).agrees_with_shipped_run
+    assert not RecomputedRunCheck(float(np.inf), 1.0).agrees_with_shipped_run
