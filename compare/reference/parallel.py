@@ -24,8 +24,6 @@ from rollbench.meshes.processes import limit_to_one_thread, single_thread_worker
 
 #: Job: a function without arguments, or a function and its arguments; picklable if it runs in another process.
 Job = Callable[[], Any] | tuple[Callable[..., Any], Sequence[Any]]
-#: Function that is called with each line of progress.
-Step = Callable[[str], None]
 #: Request to a worker: number of the job, version of this program, function and arguments.
 Asked = tuple[int, str, Callable[..., Any], Sequence[Any]]
 #: Reply of a worker: number of the job, whether it succeeded, its pickled result or exception.
