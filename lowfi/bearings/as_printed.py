@@ -196,23 +196,9 @@ def roller_approach_as_printed(line_load: float, diameter: float, cup_angle: flo
     return float(8.89e-8 * line_load * (8.45 + np.log10(argument)))
 
 
-@dataclass(frozen=True)
-class PrintedRollerContact:
-    """Contact of a tapered roller with the inner race by Smith's printed equations 3.23 to 3.28, errors included."""
-
-    #: Contact load of the roller [lb].
-    roller_load: float
-    #: Half-width of the line contact [in].
-    half_width: float
-    #: Area of the line contact [in^2].
-    contact_area: float
-    #: Largest contact pressure [psi].
-    pressure: float
-
-
 def roller_contact_as_printed(
     axial: float, rollers: int, length: float, diameter: float, pitch_diameter: float, cone_angle: float
-) -> PrintedRollerContact:
+) -> tuple[float, float, float, float]:
     """Compute the contact of a tapered roller with the inner race by eqs. 3.23 to 3.28 of Smith (1994), errors included.
 
     Parameters
@@ -225,8 +211,13 @@ def roller_contact_as_printed(
         Contact length, roller diameter and pitch diameter [in].
     cone_angle
         Half included angle of the cone [rad].
+
+    Returns
+    -------
+    tuple
+        Contact load of the roller [lb], half-width [in] and area [in^2] of the line contact, largest pressure [psi].
     """
     q = axial / (rollers * np.sin(cone_angle))
     curvature = 1.0 / (diameter * (1.0 - diameter * np.cos(cone_angle) / pitch_diameter))
     b = 0.000278 * np.sqrt(q / (length * curvature))
-    return PrintedRollerContact(float(q), float(b), float(0.5 * length * b), float(2.0 * q / (np.pi * length * b)))
+    return float(q), float(b), float(0.5 * length * b), float(2.0 * q / (np.pi * length * b))

@@ -556,14 +556,14 @@ def _compute_taper_contacts(findings: ComputedEntryValues) -> None:
     roller_load = SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle)))
     widths, pressures = rollers.half_widths_and_pressures_of_slices(b, np.array([roller_load / b.length]))
     areas, rib = 2.0 * widths[0] * b.length, 2.0 * roller_load * float(np.sin(b.roller_angle))
-    p = as_printed.roller_contact_as_printed(
+    printed_load, half_width, contact_area, pressure = as_printed.roller_contact_as_printed(
         SHEET_LOAD / POUND, b.rollers, b.length / INCH, b.diameter / INCH, b.pitch_diameter / INCH, b.cone_angle
     )
     findings.follow({"a": 0.5 * b.length / INCH})
-    words = f"race load {roller_load / POUND:.0f} lbf with the rib's part, {p.roller_load:.0f} as printed"
-    findings.add_number("b", float(widths[0, 0]) / INCH, words, as_printed=p.half_width)
-    findings.add_number("A", float(areas[0]) / INCH**2, words, as_printed=p.contact_area)
-    findings.add_number("sigma", float(pressures[0, 0]) / PSI, words, as_printed=p.pressure)
+    words = f"race load {roller_load / POUND:.0f} lbf with the rib's part, {printed_load:.0f} as printed"
+    findings.add_number("b", float(widths[0, 0]) / INCH, words, as_printed=half_width)
+    findings.add_number("A", float(areas[0]) / INCH**2, words, as_printed=contact_area)
+    findings.add_number("sigma", float(pressures[0, 0]) / PSI, words, as_printed=pressure)
     a_rib, b_rib, area = (findings.printed(k) for k in ("rib_a", "rib_b", "rib_A"))
     load = 2.0 / 3.0 * np.pi * a_rib * b_rib * findings.printed("rib_sigma")
     words = f"printed ellipse and pressure need {load:.0f} lbf, balance of the roller gives {rib / POUND:.0f}"
@@ -574,7 +574,7 @@ def _compute_taper_contacts(findings: ComputedEntryValues) -> None:
     ours = b.rollers * float(areas.sum()) / INCH**2
     inner, outer = (float(a) / INCH**2 for a in ball_bearing_state(SHEET_LOAD).contact_areas())
     balls = smith_ball_bearing().balls * (inner + outer)
-    findings.add_number("area_taper", ours, as_printed=2.0 * b.rollers * p.contact_area)
+    findings.add_number("area_taper", ours, as_printed=2.0 * b.rollers * contact_area)
     words = "as printed from 0.0065 in2, itself open"
     findings.add_number("area_ball", balls, words, as_printed=2.0 * smith_ball_bearing().balls * 0.0065)
     findings.add_number("area_rib", None, as_printed=b.rollers * area, follows=b.rollers * np.pi * a_rib * b_rib)
