@@ -15,8 +15,9 @@ The function is convex, so that every equilibrium is a minimum, also with contac
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from rollbench.lowfi.friction.contact.laws import ContactFriction, EllipticalCon
 from rollbench.lowfi.friction.contact.least_dissipation import FrictionalBodies, least_dissipation_of_bodies
 from rollbench.lowfi.friction.contact.loads import minimise_energy, one_group
 from rollbench.lowfi.friction.contact.normal_force import BallContactArrays
+from rollbench.lowfi.friction.together import Task
 from rollbench.meshes.arrays import Array, Mask
 
 #: Largest unbalanced force, divided by the sum of all forces, up to which contact loads count as converged.
@@ -55,6 +57,32 @@ class ContactLoadSolution:
         return self.ball_displacements, self.inner_body_displacements
 
 
+class ContactLoadsTask(Task):
+    """Task of a search: the contact loads of balls between two rigid bodies (`solve_contact_loads`)."""
+
+    def __init__(
+        self, cell: BallContactArrays, total_force: float, ball: Array, inner: Array, angles: Callable[[Array], Array]
+    ) -> None:
+        """Ask for the loads; arguments: see `solve_contact_loads`."""
+        self.group = one_group(cell._replace(C=np.broadcast_to(cell.C, cell.interference.shape)))
+        self.total_force, self.ball, self.inner, self.angles = total_force, ball, inner, angles
+
+    @property
+    def likeness(self) -> Hashable:
+        """Numbers of balls and of free motions of the inner body."""
+        return self.ball.shape, self.inner.shape
+
+    @classmethod
+    def solve(cls, tasks: Sequence[Self]) -> list[ContactLoadSolution]:
+        """Return the contact loads of each task."""
+        groups = BallContactArrays(*map(np.concatenate, zip(*(task.group for task in tasks), strict=True)))
+        load, ball, inner = (np.array([getattr(t, name) for t in tasks]) for name in ("total_force", "ball", "inner"))
+        balls, bodies, state, steps = minimise_energy(groups, load, ball, inner)
+        good = state.imbalance <= ACCEPTED * (load + state.force.sum(axis=(1, 2)))
+        of_each = zip(tasks, state.force, state.normal, balls, bodies, state.imbalance.tolist(), good.tolist(), strict=True)
+        return [ContactLoadSolution(F, task.angles(n), p, u, left, steps, ok) for task, F, n, p, u, left, ok in of_each]
+
+
 def solve_contact_loads(
     cell: BallContactArrays, total_force: float, ball: Array, inner: Array, angles: Callable[[Array], Array]
 ) -> ContactLoadSolution:
@@ -77,10 +105,7 @@ def solve_contact_loads(
     angles
         Function that computes contact angles ``(N, 4)`` [rad] from contact normals ``(N, 4, 2)``.
     """
-    balls, bodies, state, steps = minimise_energy(one_group(cell), np.array([total_force]), ball[None], inner[None])
-    left, force = float(state.imbalance[0]), state.force[0]
-    good = left <= ACCEPTED * (total_force + float(force.sum()))
-    return ContactLoadSolution(force, angles(state.normal[0]), balls[0], bodies[0], left, steps, good)
+    return ContactLoadsTask.solve([ContactLoadsTask(cell, total_force, ball, inner, angles)])[0]
 
 
 #: Values of ``BodyMotion.status``, in the order of the codes in ``least_dissipation``.

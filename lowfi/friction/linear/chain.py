@@ -20,7 +20,6 @@ are the case study of section 3.3.4 of Lin's thesis, by this model and by the fo
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -35,9 +34,11 @@ from rollbench.lowfi.friction.screw.chain import (
     BallChain,
     ChainMotion,
     chain_motion_in_si_units,
+    search_motion_of_chain,
     solve_motion_of_chain,
 )
 from rollbench.lowfi.friction.screw.groove import TouchingBallsGeometry, TrackInMotion, contact_axes
+from rollbench.lowfi.friction.together import Search, solve_together
 from rollbench.meshes.arrays import Array, Mask
 
 #: Least difference of the ball-to-ball forces by which two equilibria of a row count as different, divided by the largest
@@ -220,25 +221,27 @@ def find_second_equilibrium(chain: LinearBallChain, known: ChainMotion) -> Chain
         Known state of the chain, as `solve_motion_of_chain` returns it.
     """
 
-    def states_from_all_starts() -> Iterator[ChainMotion]:
-        """Yield the states, in balance or not, to which the searches from all starts lead."""
+    def at_once(force: float) -> Search[ChainMotion]:
+        """Search from the motion without neighbours and from forces of ``force`` between all balls that can touch."""
         s = BalanceSearch(chain)
-        alone = s.motions_without_neighbours()
-        yield chain_motion_in_si_units(s, s.solve_by_path(alone))
-        for force in (0.0, PRESSED):
-            yield chain_motion_in_si_units(s, s.solve_at_falling_speeds(s.in_motion(alone), force * s.allowed, STEPS))
-        for mu in (mu for mu in RISEN if mu > chain.mu_balls):
-            s = BalanceSearch(replace(chain, mu_balls=mu))
-            at = chain_motion_in_si_units(s, s.solve_by_path(alone))
-            while mu > chain.mu_balls and at.converged and at.ball_force.max() > 0.0:
-                mu = max(mu * FALLING, chain.mu_balls)
-                at = solve_motion_of_chain(replace(chain, mu_balls=mu), (at.q, at.ball_force), warm=True)
-            if mu == chain.mu_balls:
-                yield at
+        alone = s.in_motion((yield from s.motions_without_neighbours()))
+        return chain_motion_in_si_units(s, (yield from s.solve_at_falling_speeds(alone, force * s.allowed, STEPS)))
+
+    def from_friction(mu: float) -> Search[ChainMotion | None]:
+        """Search from the end of the path for the friction ``mu``, which then falls; None if the balls part on the way."""
+        s = BalanceSearch(replace(chain, mu_balls=mu))
+        alone = yield from s.motions_without_neighbours()
+        at = chain_motion_in_si_units(s, (yield from s.solve_by_path(alone)))
+        while mu > chain.mu_balls and at.converged and at.ball_force.max() > 0.0:
+            mu = max(mu * FALLING, chain.mu_balls)
+            at = yield from search_motion_of_chain(replace(chain, mu_balls=mu), (at.q, at.ball_force), warm=True)
+        return at if mu == chain.mu_balls else None
 
     if not may_have_several_equilibria(chain):
         return None
-    good = (other for other in states_from_all_starts() if other.converged)
+    risen = (from_friction(mu) for mu in RISEN if mu > chain.mu_balls)
+    states = solve_together([from_friction(chain.mu_balls), at_once(0.0), at_once(PRESSED), *risen])
+    good = (other for other in states if other is not None and other.converged)
     others = [s for s in good if np.abs(s.ball_force - known.ball_force).max() > ANOTHER * chain.largest_friction_bound]
     return max(others, key=lambda other: float(other.ball_force.max()), default=None)
 

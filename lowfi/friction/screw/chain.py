@@ -9,7 +9,9 @@ semismooth Newton method solves for motions and forces together while the regula
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -19,6 +21,7 @@ from rollbench.lowfi.friction.screw import groove as screw_groove
 from rollbench.lowfi.friction.screw import motion as screw_motion
 from rollbench.lowfi.friction.screw.neighbours import ScaledBalls
 from rollbench.lowfi.friction.screw.path import follow_path
+from rollbench.lowfi.friction.together import Search, Task, solve_alone
 from rollbench.meshes.arrays import Array, Mask
 
 #: Regularising speeds of friction as fractions of the speed of the moving groove, from the first to the last.
@@ -171,6 +174,23 @@ class ChainMotion:
         return sum(self.losses_by_cause)
 
 
+class LeastDissipationTask(Task):
+    """Task of a search: motions of least dissipation of the loaded balls of a chain (`motions_of_least_dissipation`)."""
+
+    likeness = None
+
+    def __init__(self, bodies: FrictionalBodies, start: Array) -> None:
+        """Ask for the motions of ``bodies``; ``start``: scaled motions from which the search begins ``(K, 4)``."""
+        self.bodies, self.start = bodies, start
+
+    @classmethod
+    def solve(cls, tasks: Sequence[Self]) -> list[Array]:
+        """Return the scaled motions of the balls of each task ``(K, 4)``."""
+        bodies, start = balance.joined([task.bodies for task in tasks]), np.concatenate([task.start for task in tasks])
+        found = motions_of_least_dissipation(bodies, SPEEDS[::4], start)
+        return np.split(found, np.cumsum([len(task.start) for task in tasks])[:-1])
+
+
 class BalanceSearch:
     """Search for motions and ball-to-ball forces that balance the friction on all balls of one chain, in scaled units.
 
@@ -200,6 +220,8 @@ class BalanceSearch:
         slack = np.where(self.allowed, chain.allowed_closing_rate, 0.0) * g.pair.closing_speed_factor / self.speed
         self.mu = np.where(loaded & np.roll(loaded, -1), chain.mu_balls, 0.0)
         self.balls = ScaledBalls(
+            neighbour_offsets=neighbours.neighbours_in_a_ring(self.count),
+            nominal=np.tile(g.nominal_motion * self.units / self.speed, (self.count, 1)),
             loaded=loaded,
             holding_stiffness=np.where(loaded, HOLD, HOLD_IDLE),
             can_touch_next=self.allowed,
@@ -218,30 +240,30 @@ class BalanceSearch:
         """Return the balls in scaled motions x ``(N, 4)``."""
         return self.balls.moved(self.track, x)
 
-    def motions_without_neighbours(self, start: Array | None = None) -> Array:
+    def motions_without_neighbours(self, start: Array | None = None) -> Search[Array]:
         """Return the scaled motions ``(N, 4)`` of the balls if neighbours exert no forces on each other.
 
         Loaded balls move with least dissipation, unloaded balls with the nominal motion. ``start``: scaled motions ``(N,
         4)`` from which this convex search begins, at the smallest regularising speed at once; None, and for balls that do
         not arrive there, those nearest to rolling and falling speeds.
         """
-        x, balls, on = np.tile(self.track.nominal, (self.count, 1)), self.balls, self.balls.bound.sum(axis=1) > 0.0
+        x, balls, on = self.balls.nominal.copy(), self.balls, self.balls.bound.sum(axis=1) > 0.0
         if on.any():
             shape, maps, drives = (balls.a, balls.b, balls.bound), balls.contact_motion_maps, balls.contact_motions
             bodies = FrictionalBodies(*shape, maps, drives, np.zeros((self.count, 4))).take(on)
             alone = np.full((len(bodies.a), 4), np.nan) if start is None else start[on]
-            x[on] = motions_of_least_dissipation(bodies, SPEEDS[::4], alone)
+            x[on] = yield LeastDissipationTask(bodies, alone)
         return x
 
     def solve_force_balance(
         self, balls: ScaledBalls, f: Array, law: balance.Smoothing, limit: int, goal: float = GOAL
-    ) -> balance.BalancedMotion:
+    ) -> Search[balance.BalancedMotion]:
         """Solve the force balance of all balls by Newton's method under one smoothing.
 
         ``balls``: balls in motion and ``f``: scaled ball-to-ball forces ``(N,)`` to begin from; ``limit``: largest number
         of Newton steps; ``goal``: residual at which the search ends.
         """
-        return balance.solve_force_balance_of_balls(self.track, balls, f, law, goal, ACCEPTED, limit)
+        return balance.search_force_balance(self.track, balls, f, law, goal, ACCEPTED, limit)
 
     @staticmethod
     def is_converged(found: balance.BalancedMotion) -> bool:
@@ -250,7 +272,7 @@ class BalanceSearch:
 
     def solve_at_smallest_regularising_speed(
         self, balls: ScaledBalls, f: Array, share: float = 1.0
-    ) -> balance.BalancedMotion:
+    ) -> Search[balance.BalancedMotion]:
         """Solve the force balance at the smallest regularising speed of friction, with up to ``SHORT`` Newton steps.
 
         If the forces are in balance after exactly ``SHORT`` steps, the search goes on for higher accuracy.
@@ -258,13 +280,13 @@ class BalanceSearch:
         friction between balls that acts.
         """
         law = EXACT._replace(share=share)
-        found = self.solve_force_balance(balls, f, law, SHORT)
+        found = yield from self.solve_force_balance(balls, f, law, SHORT)
         if found.steps < SHORT or not self.is_converged(found):
             return found
-        more = self.solve_force_balance(found.balls, found.ball_force, law, STEPS)
+        more = yield from self.solve_force_balance(found.balls, found.ball_force, law, STEPS)
         return more._replace(steps=found.steps + more.steps)
 
-    def solve_cold(self, start: Array | None = None) -> balance.BalancedMotion:
+    def solve_cold(self, start: Array | None = None) -> Search[balance.BalancedMotion]:
         """Solve the force balance from nothing but the contact loads.
 
         The motion without friction between balls is a convex problem with one solution. Balls that all part in it also part
@@ -273,37 +295,37 @@ class BalanceSearch:
         solutions. ``start``: see `motions_without_neighbours`.
         """
         if not self.balls.contact_motions.any():  # grooves at rest move no ball
-            return self.solve_force_balance(self.balls, np.zeros(self.count), EXACT, 0)
-        slippery, total = self.solve_without_friction_between_balls(start)
+            return (yield from self.solve_force_balance(self.balls, np.zeros(self.count), EXACT, 0))
+        slippery, total = yield from self.solve_without_friction_between_balls(start)
         apart = self.is_converged(slippery) and not np.any(self.pressing(slippery))
         share = float(self.mu.max()) * float(np.sqrt(self.allowed.sum()))
         if share == 0.0 and self.is_converged(slippery):
             return slippery
         if apart or share <= SLIGHT:
-            found = self.solve_at_smallest_regularising_speed(slippery.balls, slippery.ball_force)
+            found = yield from self.solve_at_smallest_regularising_speed(slippery.balls, slippery.ball_force)
             total += found.steps
             if self.is_converged(found):
                 return found._replace(steps=total)
         supported = (self.balls.bound > 0.0).sum(axis=1) >= SUPPORTS
         if share <= LARGE and np.all(supported | ~self.loaded):
-            found = self.solve_at_falling_speeds(slippery.balls, slippery.ball_force, FEW)
+            found = yield from self.solve_at_falling_speeds(slippery.balls, slippery.ball_force, FEW)
             total += found.steps
             both = ((slippery, EXACT._replace(share=0.0)), (found, EXACT))
             if self.is_converged(found) and len({balance.determinant_sign(self.track, *at) for at in both}) == 1:
                 return found._replace(steps=total)
-        found = self.solve_by_path(self.motions_without_neighbours(start))
+        found = yield from self.solve_by_path((yield from self.motions_without_neighbours(start)))
         return found._replace(steps=total + found.steps)
 
-    def solve_without_friction_between_balls(self, start: Array | None) -> tuple[balance.BalancedMotion, int]:
+    def solve_without_friction_between_balls(self, start: Array | None) -> Search[tuple[balance.BalancedMotion, int]]:
         """Solve the convex problem without friction between balls; return its solution and the number of Newton steps.
 
         ``start``: see `motions_without_neighbours`.
         """
-        alone, none = self.in_motion(self.motions_without_neighbours(start)), np.zeros(self.count)
-        found = self.solve_at_smallest_regularising_speed(alone, none, share=0.0)
+        alone, none = self.in_motion((yield from self.motions_without_neighbours(start))), np.zeros(self.count)
+        found = yield from self.solve_at_smallest_regularising_speed(alone, none, share=0.0)
         if self.is_converged(found):
             return found, found.steps
-        more = self.solve_at_falling_speeds(alone, none, STEPS, share=0.0)
+        more = yield from self.solve_at_falling_speeds(alone, none, STEPS, share=0.0)
         return more, found.steps + more.steps
 
     def pressing(self, found: balance.BalancedMotion) -> Mask:
@@ -313,7 +335,7 @@ class BalanceSearch:
 
     def solve_at_falling_speeds(
         self, balls: ScaledBalls, f: Array, limit: int, share: float = 1.0
-    ) -> balance.BalancedMotion:
+    ) -> Search[balance.BalancedMotion]:
         """Solve the force balance at regularising speeds that fall from the first to the last, until one is not solved.
 
         ``balls``, ``f``: balls in motion and scaled ball-to-ball forces ``(N,)`` to begin from; ``limit``: largest number
@@ -322,13 +344,13 @@ class BalanceSearch:
         total = 0
         for eps in SPEEDS[::2]:
             goal = GOAL if eps == SPEEDS[-1] else MISSED
-            found = self.solve_force_balance(balls, f, balance.Smoothing(eps, share), limit, goal)
+            found = yield from self.solve_force_balance(balls, f, balance.Smoothing(eps, share), limit, goal)
             balls, f, total = found.balls, found.ball_force, total + found.steps
             if found.residuals.size > MISSED:
                 break
         return found._replace(steps=total)
 
-    def solve_by_path(self, x: Array) -> balance.BalancedMotion:
+    def solve_by_path(self, x: Array) -> Search[balance.BalancedMotion]:
         """Solve the force balance by the path of solutions along which friction between balls rises and smoothing falls.
 
         The path begins at the one solution without friction between balls, smoothed, and is followed round its folds. A
@@ -336,14 +358,17 @@ class BalanceSearch:
         friction bounds; the path therefore has another end, with the whole friction (Leray and Schauder). ``x``: scaled
         motions ``(N, 4)`` to begin from.
         """
-        first = self.solve_force_balance(self.in_motion(x), np.zeros(self.count), balance.smoothing_on_path(0.0), STEPS)
+        smooth = balance.smoothing_on_path(0.0)
+        first = yield from self.solve_force_balance(self.in_motion(x), np.zeros(self.count), smooth, STEPS)
         point = np.append(np.column_stack([first.balls.motion, first.ball_force]), 0.0)
         end, _, steps = follow_path(balance.BalancePoint(self.track, first.balls, point), MOST)
-        last = self.solve_force_balance(end.balls, end.ball_force, EXACT, STEPS)
+        last = yield from self.solve_force_balance(end.balls, end.ball_force, EXACT, STEPS)
         return last._replace(steps=first.steps + steps + last.steps)
 
 
-def solve_motion_of_chain(chain: BallChain, start: tuple[Array, Array] | None = None, warm: bool = False) -> ChainMotion:
+def search_motion_of_chain(
+    chain: BallChain, start: tuple[Array, Array] | None = None, warm: bool = False
+) -> Search[ChainMotion]:
     """Return motions and ball-to-ball forces of the balls of one track at given contact loads.
 
     The search begins from ``start`` if balls press on each other there (with ``warm`` also if none do), then from the
@@ -368,15 +393,20 @@ def solve_motion_of_chain(chain: BallChain, start: tuple[Array, Array] | None = 
     """
     s = BalanceSearch(chain)
     if start is None:
-        return chain_motion_in_si_units(s, s.solve_cold())
+        return chain_motion_in_si_units(s, (yield from s.solve_cold()))
     x, total = start[0] * s.units / s.speed, 0
     if warm or np.any(start[1] > 0.0):
-        found = s.solve_at_smallest_regularising_speed(s.in_motion(x), start[1] / s.bound)
+        found = yield from s.solve_at_smallest_regularising_speed(s.in_motion(x), start[1] / s.bound)
         total = found.steps
         if s.is_converged(found):
             return chain_motion_in_si_units(s, found, True)
-    found = s.solve_cold(x)
+    found = yield from s.solve_cold(x)
     return chain_motion_in_si_units(s, found._replace(steps=total + found.steps))
+
+
+def solve_motion_of_chain(chain: BallChain, start: tuple[Array, Array] | None = None, warm: bool = False) -> ChainMotion:
+    """Return motions and ball-to-ball forces of the balls of one track; arguments: see `search_motion_of_chain`."""
+    return solve_alone(search_motion_of_chain(chain, start, warm))
 
 
 def chain_motion_in_si_units(s: BalanceSearch, found: balance.BalancedMotion, from_start: bool = False) -> ChainMotion:
@@ -385,28 +415,27 @@ def chain_motion_in_si_units(s: BalanceSearch, found: balance.BalancedMotion, fr
     ``s``: the search with its scales; ``found``: its solution; ``from_start``: whether the start that the caller gave led
     to the solution.
     """
-    chain, eps, pair = s.chain, SPEEDS[-1], s.chain.groove.pair
+    chain, pair, at = s.chain, s.chain.groove.pair, found.residuals
     balls, f, bound = found.balls, found.ball_force, s.bound if s.rubbing else 0.0
     gap = np.where(s.allowed, balls.remaining_closing_rate, 0.0)
     ball_force = bound * np.where(s.pressing(found), np.maximum(f, 0.0), 0.0)
-    rubs = balance.contact_friction(balls, eps)
-    wrench = chain.contact_wrenches(bound * rubs.pull)
-    sliding = neighbours.sliding_on_next_ball(balls, eps)
+    pull = -bound * balls.bound[..., None] * at.dissipation.gradient
+    wrench = chain.contact_wrenches(pull)
     bite = (s.balls.mu * ball_force)[:, None]
     push = ball_force[:, None] * pair.force_directions[:, None]  # on the first, then on the second ball of each pair
-    rub = bite * sliding.direction @ pair.tangent_directions
+    rub = bite * at.sliding.direction @ pair.tangent_directions
     return ChainMotion(
         q=balls.motion * s.speed / s.units,
         ball_force=ball_force,
         wrench=wrench,
         contact_motions=s.speed * balls.contact_motions,
-        contact_friction=bound * rubs.pull,
+        contact_friction=pull,
         neighbour_forces=push[0] - rub[0] + np.roll(push[1] + rub[1], 1, axis=0),
-        groove_loss=bound * s.speed * rubs.loss,
-        ball_loss=(bite * sliding.direction * sliding.velocity).sum(axis=1) * s.speed,
+        groove_loss=-s.speed * (pull * balls.contact_motions).sum(axis=-1),
+        ball_loss=(bite * at.sliding.direction * at.sliding.velocity).sum(axis=1) * s.speed,
         closing_loss=ball_force * s.speed * (s.balls.remaining_closing_rate - balls.remaining_closing_rate),
         input_power=chain.input_power(wrench),
-        largest_unbalanced_force=float(np.abs(found.residuals.forces).max()) * bound,
+        largest_unbalanced_force=float(np.abs(at.forces).max()) * bound,
         largest_gap_violation=max(0.0, -float(np.min(gap))) * s.speed / pair.closing_speed_factor,
         steps=found.steps,
         converged=s.is_converged(found),

@@ -1,7 +1,7 @@
 """Contact loads of a ball screw in agreement with the friction of its moving balls (section 3.4.1 of Lin's thesis).
 
 Friction and ball-to-ball forces in the plane of the groove's section change the contact loads, and changed loads change the
-friction. Loads and friction are solved in turn in accelerated rounds (`solve_coupled_chain`). Friction that wedges a ball
+friction. Loads and friction are solved in turn in accelerated rounds (`search_coupled_chain`). Friction that wedges a ball
 between grooves changes the loads by many times as much as it changes itself, so that these rounds run away. Loads and
 friction are then solved as one system (`solve_loads_and_motion`), in which the contact angles follow the ball's position.
 Its solution is followed from zero friction, strongly smoothed, to the full friction, hardly smoothed, by the arc length of
@@ -21,10 +21,18 @@ from rollbench.lowfi.friction.contact.equilibrium import ContactLoadSolution
 from rollbench.lowfi.friction.contact.normal_force import ON_INNER, BallContactArrays, normal_forces
 from rollbench.lowfi.friction.screw import joint
 from rollbench.lowfi.friction.screw import motion as screw_motion
-from rollbench.lowfi.friction.screw.chain import SPEEDS, BalanceSearch, ChainMotion, screw_ball_chain, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.chain import (
+    SPEEDS,
+    BalanceSearch,
+    ChainMotion,
+    screw_ball_chain,
+    search_motion_of_chain,
+    solve_motion_of_chain,
+)
 from rollbench.lowfi.friction.screw.groove import scaled_groove
 from rollbench.lowfi.friction.screw.joint import LoadsAndMotionSystem, LoadsAndMotionUnknowns
 from rollbench.lowfi.friction.screw.path import ON_PATH, PathPoint, follow_path
+from rollbench.lowfi.friction.together import Search
 from rollbench.meshes.arrays import Array
 
 #: Number of rounds, in which contact loads and friction are solved in turn, after which both are solved as one system.
@@ -244,14 +252,14 @@ class IterationStart:
     ball_force: Array
 
 
-def solve_coupled_chain(
+def search_coupled_chain(
     cell: screw_motion.BallsBetweenGrooves,
     slack: Array,
     coupling: screw_motion.Coupling,
     similar: CoupledChainSolution | None = None,
     rounds: int = screw_motion.ROUNDS,
     guess: IterationStart | None = None,
-) -> CoupledChainSolution:
+) -> Search[CoupledChainSolution]:
     """Return contact loads and motion of N balls, with the loads in balance with friction and ball-to-ball forces.
 
     The solution is not always unique: a ball that bears little or no load without friction may either be loose or be
@@ -280,7 +288,7 @@ def solve_coupled_chain(
     CoupledChainSolution
         The solution; if no agreement is found, its ``converged`` is False.
     """
-    bare = screw_motion.solve_screw_contact_loads(
+    bare = yield from screw_motion.search_screw_contact_loads(
         cell, None if similar is None else similar.loads_without_friction.displacements
     )
     held = screw_motion.balls_with_fixed_screw(cell, bare) if coupling == "ball" else cell
@@ -298,11 +306,11 @@ def solve_coupled_chain(
         if held is cell and same_push and np.array_equal(drag, cell.screw_friction_forces):
             load = bare
         else:
-            load = screw_motion.solve_screw_contact_loads(
+            load = yield from screw_motion.search_screw_contact_loads(
                 replace(held, ball_friction_forces=push, screw_friction_forces=drag), place
             )
         balls = screw_ball_chain(cell.groove, load.force, cell.groove.normals(load.angle), slack)
-        moved = solve_motion_of_chain(balls, start)
+        moved = yield from search_motion_of_chain(balls, start)
         new_push, new_drag = screw_motion.friction_on_balls_and_screw(
             held, moved.wrench, moved.neighbour_forces[:, [0, 2]], coupling
         )

@@ -164,8 +164,6 @@ class ScaledTrack(NamedTuple):
     the moving groove along the track.
     """
 
-    #: Motion x (4,) of a ball that rolls at the nominal contact angle.
-    nominal: Array
     #: Velocity of the first ball's surface at its contact with the second ball, along two tangents, per unit of the first
     #: ball's motion x (2, 4).
     first_ball_surface_speeds: Array
@@ -208,7 +206,6 @@ class TrackInMotion(ABC):
         """Kinematics of the balls in scaled units."""
         unit, pair = self.levers, self.pair
         return ScaledTrack(
-            nominal=self.nominal_motion * unit / self.speed_along_path,
             first_ball_surface_speeds=pair.first_ball_surface_speeds / unit,
             second_ball_surface_speeds=pair.second_ball_surface_speeds / unit,
             approach=pair.closing_speed_factor * np.array([1.0, 0.0, 0.0, 0.0]) / unit,

@@ -214,9 +214,9 @@ def loads_and_motion_equations(
     levers, sliding = levers_on_loads_and_motion(system, share), neighbours.sliding_on_next_ball(balls, eps)
     gaps = neighbours.complementarity(balls, f)
     side = np.concatenate([value[:, OF_BALL], gaps.value[:, None]], axis=1)
-    side[:, OF_BALL] += neighbours.forces_of_neighbours(levers, sliding, balls.mu, f)
-    side[:, BY_MOTION] += balls.holding_stiffness[:, None] * (at.motion - track.nominal)
-    ring = neighbours.neighbour_blocks(track, levers, sliding, balls.mu, f, gaps)
+    side[:, OF_BALL] += neighbours.forces_of_neighbours(balls, levers, sliding, balls.mu, f)
+    side[:, BY_MOTION] += balls.holding_stiffness[:, None] * (at.motion - balls.nominal)
+    ring = neighbours.neighbour_blocks(track, balls, levers, sliding, balls.mu, f, gaps)
     ring.own[:, OF_BALL, ON_BALL] += by_position[:, OF_BALL]
     ring.own[:, OF_BALL, BY_MOTION] += by_motion[:, OF_BALL]
     ring.own[:, BY_MOTION, BY_MOTION] += balls.holding_stiffness[:, None, None] * np.eye(4)
@@ -244,9 +244,9 @@ def solve_linear_equations(
     own, i = now.ring.own.copy(), np.arange(2)
     floor = max(FLOOR * float(own[:, i, i].max()), 1e-300)
     own[:, i, i] += floor
-    start = neighbours.ball_after_open_gap(system.balls.moved(system.groove.track, at.motion), at.ball_force)
+    cut = neighbours.cut_at_open_gaps(system.balls.moved(system.groove.track, at.motion), at.ball_force)
     of_balls = np.concatenate([now.balls_by_screw, sides[: 7 * n].reshape(n, 7, -1)], axis=2)
-    both, _ = neighbours.solve_ring_cut_open(now.ring._replace(own=own), of_balls, start)
+    both, _ = neighbours.solve_rings_cut_open(now.ring._replace(own=own), of_balls, cut)
     by_screw, alone = both[..., :m], both[..., m:]
     # Schur complement of the balls for the screw's motions
     schur = now.screw_by_screw - np.einsum("qki,kio->qo", now.screw_by_balls, by_screw) + floor * np.eye(m)

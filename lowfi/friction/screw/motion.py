@@ -2,7 +2,7 @@
 
 The model is that of section 3.4.1 of Lin's thesis. The motion of each ball is that of least dissipation. The friction of a
 ball in the plane of its groove section (the helix turns nut and screw against each other about y3) changes the contact
-loads through the ball's equilibrium: ``coupled.solve_coupled_chain`` solves loads and friction in turn.
+loads through the ball's equilibrium: ``coupled.search_coupled_chain`` solves loads and friction in turn.
 
 Loads are the minimum of a convex energy over all positions. Each ball moves in the plane of its groove section (x3 radial,
 z3 binormal), the screw by its free motions u, the nut is fixed. Friction in this plane is given by forces on balls and
@@ -20,6 +20,7 @@ from rollbench.lowfi.friction.contact import equilibrium
 from rollbench.lowfi.friction.contact.laws import EllipticalContacts, SigmoidLaw, contacts_from_values
 from rollbench.lowfi.friction.contact.normal_force import BallContactArrays
 from rollbench.lowfi.friction.screw import groove as screw_groove
+from rollbench.lowfi.friction.together import Search, solve_alone
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.arrays import Array, Mask
 
@@ -98,9 +99,9 @@ def starting_displacements(cell: BallsBetweenGrooves) -> tuple[Array, Array]:
     return 0.5 * (cell.section_displacement_maps @ u), u
 
 
-def solve_screw_contact_loads(
+def search_screw_contact_loads(
     cell: BallsBetweenGrooves, start: tuple[Array, Array] | None = None
-) -> equilibrium.ContactLoadSolution:
+) -> Search[equilibrium.ContactLoadSolution]:
     """Return the contact loads of balls between screw and nut, in balance with the forces on balls and screw.
 
     The loads are found by Newton's method with line search at the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) -
@@ -122,9 +123,18 @@ def solve_screw_contact_loads(
         + np.sum(np.abs(cell.ball_friction_forces))
     )
     begin = starting_displacements(cell) if start is None else start
-    settled = equilibrium.solve_contact_loads(arrays_for_contact_loads(cell), load, *begin, contact_angles)
+    settled: equilibrium.ContactLoadSolution = yield equilibrium.ContactLoadsTask(
+        arrays_for_contact_loads(cell), load, *begin, contact_angles
+    )
     # from a distant start a nearly unloaded ball may creep along a flat energy
-    return settled if settled.converged or start is None else solve_screw_contact_loads(cell)
+    return settled if settled.converged or start is None else (yield from search_screw_contact_loads(cell))
+
+
+def solve_screw_contact_loads(
+    cell: BallsBetweenGrooves, start: tuple[Array, Array] | None = None
+) -> equilibrium.ContactLoadSolution:
+    """Return the contact loads of balls between screw and nut; arguments: see `search_screw_contact_loads`."""
+    return solve_alone(search_screw_contact_loads(cell, start))
 
 
 def screw_displacement_maps(groove: screw_groove.ScrewGroove, azimuth: Array, free: str) -> Array:

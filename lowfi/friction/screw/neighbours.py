@@ -1,6 +1,7 @@
-"""Forces between neighbouring balls of a closed track, with derivatives, and the linear systems of Newton's method.
+"""Forces between neighbouring balls of closed tracks, with derivatives, and the linear systems of Newton's method.
 
-In all arrays the first axis is the ball k; index k of a pair is that of ball k and the next one. Motions x ``(N, 4)`` are
+In all arrays the first axis is the ball k, and index k of a pair is that of ball k and the next one of its track; several
+tracks stand one after the other. Motions x ``(N, 4)`` are
 the balls' surface speeds (orbit, and spins about x3, y3, z3) over the speed of the nut along the path, ``eps`` is the
 regularising speed over the same speed, and ball-to-ball forces f ``(N,)`` act from ball k on ball k + 1, in the unit of
 force of `ScaledBalls`.
@@ -16,16 +17,20 @@ from typing import NamedTuple
 import numpy as np
 
 from rollbench.lowfi.friction.screw.groove import ScaledTrack
-from rollbench.meshes.arrays import Array, Mask
+from rollbench.meshes.arrays import Array, Index, Mask
 
 
 class ScaledBalls(NamedTuple):
     """Frictional contacts of N balls with the grooves and with each other, under known contact loads, in motion.
 
-    All friction forces are in one unit of force, which is the largest friction bound mu F of a ball; all speeds are over
-    the speed of the nut along the path.
+    The balls are those of one track or of several independent ones. All friction forces of a track are in one unit of
+    force, which is the largest friction bound mu F of its balls; all speeds are over the speed of the nut along the path.
     """
 
+    #: Number of places from each ball to the next ball of its track, and from each ball to the one before it ``(N, 2)``.
+    neighbour_offsets: Index
+    #: Motion x of each ball when it rolls at the nominal contact angle ``(N, 4)``.
+    nominal: Array
     #: Whether each ball counts as loaded ``(N,)``.
     loaded: Mask
     #: Stiffness of weak springs that draw the motion of each ball to the nominal motion ``(N,)``.
@@ -51,10 +56,18 @@ class ScaledBalls(NamedTuple):
     #: Speed at which ball k may further approach ball k + 1: what their gap allows, less the actual speed ``(N,)``.
     remaining_closing_rate: Array
 
+    def of_next(self, values: Array) -> Array:
+        """Return for each ball the values ``(N, ...)`` of the next ball of its track."""
+        return np.asarray(values[np.arange(len(values)) + self.neighbour_offsets[:, 0]])
+
+    def of_previous(self, values: Array) -> Array:
+        """Return for each ball the values ``(N, ...)`` of the ball before it on its track."""
+        return np.asarray(values[np.arange(len(values)) + self.neighbour_offsets[:, 1]])
+
     def moved(self, track: ScaledTrack, change: Array) -> ScaledBalls:
         """Return the balls after a ``change`` of their motions ``(N, 4)``."""
         first, second = track.first_ball_surface_speeds, track.second_ball_surface_speeds
-        next_change = np.roll(change, -1, axis=0)
+        next_change = self.of_next(change)
         return self._replace(
             motion=self.motion + change,
             contact_motions=self.contact_motions + (self.contact_motion_maps @ change[:, None, :, None])[..., 0],
@@ -77,19 +90,37 @@ class Sliding(NamedTuple):
         return self.velocity / self.speed[:, None]
 
 
-def sliding_on_next_ball(balls: ScaledBalls, eps: float) -> Sliding:
+def sliding_on_next_ball(balls: ScaledBalls, eps: Array | float) -> Sliding:
     """Return how each ball slides on the next one."""
     v = balls.sliding_on_next
     return Sliding(v, np.sqrt((v * v).sum(axis=1) + eps * eps))
 
 
-def ball_after_open_gap(balls: ScaledBalls, f: Array) -> int:
-    """Return the number of the ball after the widest open gap, where the equations of a closed track are cut open.
+def neighbours_in_a_ring(count: int) -> Index:
+    """Return ``neighbour_offsets`` of the balls of one closed track ``(N, 2)``; ``count``: their number N."""
+    offsets = np.tile([1, -1], (count, 1))
+    offsets[-1, 0], offsets[0, 1] = 1 - count, count - 1
+    return offsets
+
+
+class CutTracks(NamedTuple):
+    """Order of N balls in which the equations of each closed track are cut open between two balls."""
+
+    #: Numbers of the balls, track by track, each from the ball after the cut on ``(N,)``.
+    order: Index
+    #: Places in this order at which a track ends.
+    ends: Index
+
+
+def cut_at_open_gaps(balls: ScaledBalls, f: Array) -> CutTracks:
+    """Return the order of the balls in which each closed track is cut open at its widest open gap.
 
     For this gap the remaining closing rate exceeds the ball-to-ball force by the largest amount, both in scaled units.
     """
     open_by = np.where(balls.can_touch_next, balls.remaining_closing_rate - f, np.inf)
-    return int(np.argmax(open_by) + 1) % f.size
+    ends = np.flatnonzero(balls.neighbour_offsets[:, 0] <= 0)
+    tracks = np.split(np.arange(f.size), ends[:-1] + 1)
+    return CutTracks(np.concatenate([np.roll(track, -1 - int(np.argmax(open_by[track]))) for track in tracks]), ends)
 
 
 class Complementarity(NamedTuple):
@@ -107,7 +138,7 @@ class Complementarity(NamedTuple):
     by_rate: Array
 
 
-def complementarity(balls: ScaledBalls, f: Array, product: float = 0.0) -> Complementarity:
+def complementarity(balls: ScaledBalls, f: Array, product: Array | float = 0.0) -> Complementarity:
     """Return the Fischer-Burmeister function of each gap; where the balls cannot touch, the force itself.
 
     ``product``: force times remaining closing rate, s.
@@ -141,16 +172,16 @@ def levers_on_motion(track: ScaledTrack) -> NeighbourLevers:
     return NeighbourLevers(track.approach, first, track.approach, second)
 
 
-def forces_of_neighbours(levers: NeighbourLevers, sliding: Sliding, mu: Array, f: Array) -> Array:
+def forces_of_neighbours(balls: ScaledBalls, levers: NeighbourLevers, sliding: Sliding, mu: Array, f: Array) -> Array:
     """Return what the forces ``f`` of neighbours and their friction add to the equations of each ball ``(N, r)``."""
     normal, rub = f[:, None], (mu * np.maximum(f, 0.0))[:, None] * sliding.direction
     on_first = normal * levers.first_normal + rub @ levers.first_tangents
     on_second = normal * levers.second_normal + rub @ levers.second_tangents
-    return np.asarray(on_first - np.roll(on_second, 1, axis=0))
+    return np.asarray(on_first - balls.of_previous(on_second))
 
 
 class RingMatrix(NamedTuple):
-    """Matrix of a ring of N balls with b equations each, in which only neighbours are coupled, as blocks ``(N, b, b)``."""
+    """Matrix of rings of N balls with b equations each, in which only neighbours are coupled, as blocks ``(N, b, b)``."""
 
     #: Rows and columns of ball k.
     own: Array
@@ -161,7 +192,13 @@ class RingMatrix(NamedTuple):
 
 
 def neighbour_blocks(
-    track: ScaledTrack, levers: NeighbourLevers, sliding: Sliding, mu: Array, f: Array, gaps: Complementarity
+    track: ScaledTrack,
+    balls: ScaledBalls,
+    levers: NeighbourLevers,
+    sliding: Sliding,
+    mu: Array,
+    f: Array,
+    gaps: Complementarity,
 ) -> RingMatrix:
     """Return the derivatives of `forces_of_neighbours` (r rows) and of the complementarity (last row).
 
@@ -173,7 +210,7 @@ def neighbour_blocks(
     turn = (mu * np.maximum(f, 0.0) / sliding.speed)[:, None, None] * (np.eye(2) - t[:, :, None] * t[:, None, :])
     slides = np.where(f > 0.0, mu, 0.0)[:, None] * t
     own, right, below = np.zeros((3, f.size, r + 1, r + 1))
-    own[:, :r, x] = first @ turn @ F + np.roll(second @ turn @ S, 1, axis=0)
+    own[:, :r, x] = first @ turn @ F + balls.of_previous(second @ turn @ S)
     right[:, :r, x] = -first @ turn @ S
     below[:, :r, x] = -second @ turn @ F
     own[:, :r, -1] = levers.first_normal + slides @ levers.first_tangents
@@ -184,18 +221,19 @@ def neighbour_blocks(
     return RingMatrix(own, right, below)
 
 
-def solve_ring_cut_open(matrix: RingMatrix, side: Array, start: int) -> tuple[Array, float]:
-    """Solve the linear system of a ring of N balls that is cut open before ball ``start``, for c right-hand sides.
+def solve_rings_cut_open(matrix: RingMatrix, side: Array, cut: CutTracks) -> tuple[Array, Array]:
+    """Solve the linear system of rings of N balls that are cut open, for c right-hand sides.
 
-    Returns the solutions, and the sign of the determinant of the ring cut open.
+    Returns the solutions, and the sign of the determinant of each ring cut open ``(rings,)``.
 
-    The coupling of this ball with the one before it is left out. Gaussian elimination with row exchange on a band, because
-    friction between balls makes the matrix unsymmetric and, beyond a fold of the solution, indefinite. For a singular
-    matrix the solutions are huge. ``side``: ``(N, b, c)``, in the order of the balls, as is the result.
+    The couplings across the cuts are left out. Gaussian elimination with row exchange on a band, because friction between
+    balls makes the matrix unsymmetric and, beyond a fold of the solution, indefinite. For a singular matrix the solutions
+    are huge. ``side``: ``(N, b, c)``, in the order of the balls, as is the result.
     """
     from scipy.linalg.lapack import dgbtrf, dgbtrs
 
-    own, right, below = (np.roll(block, -start, axis=0) for block in matrix)
+    own, right, below = (block[cut.order] for block in matrix)
+    right[cut.ends], below[cut.ends] = 0.0, 0.0
     n, b = own.shape[:2]
     half = 2 * b - 1
     column = np.zeros((n, 3 * b, b))  # rows of the ball before, the ball itself and the next one, in the columns of a ball
@@ -205,9 +243,10 @@ def solve_ring_cut_open(matrix: RingMatrix, side: Array, start: int) -> tuple[Ar
         top = 2 * half - b - c
         band[top : top + 3 * b, c::b] = column[:, :, c].T
     factors, exchanged, _ = dgbtrf(band, half, half, overwrite_ab=1)
-    pivots = factors[2 * half]
-    sign = float(np.prod(np.sign(pivots)) * (-1.0) ** np.count_nonzero(exchanged != np.arange(n * b)))
+    pivots, begins = factors[2 * half], b * np.append(0, cut.ends[:-1] + 1)
+    signs = np.where(exchanged == np.arange(n * b), 1.0, -1.0) * np.sign(pivots)
     pivots[pivots == 0.0] = 1e-300
-    flat = np.roll(side, -start, axis=0).reshape(n * b, -1)
-    solved, _ = dgbtrs(factors, half, half, flat, exchanged)
-    return np.roll(solved.reshape(side.shape), start, axis=0), sign
+    solved, _ = dgbtrs(factors, half, half, side[cut.order].reshape(n * b, -1), exchanged)
+    out = np.empty_like(side)
+    out[cut.order] = solved.reshape(side.shape)
+    return out, np.multiply.reduceat(signs, begins)

@@ -10,15 +10,17 @@ deviate.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from rollbench.lowfi.friction.screw import motion as screw_motion
-from rollbench.lowfi.friction.screw.coupled import CoupledChainSolution, IterationStart, solve_coupled_chain
+from rollbench.lowfi.friction.screw.coupled import CoupledChainSolution, IterationStart, search_coupled_chain
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.screw.travel import BallState, ClosedTrack, InstantSolution, TravelHistory, simulate
+from rollbench.lowfi.friction.screw.travel import BallState, ClosedTrack, InstantSolution, TravelHistory, travel
+from rollbench.lowfi.friction.together import Search, solve_alone, solve_together
 from rollbench.meshes.arrays import Array, Index, Mask
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.record_keys import frozen_default, frozen_record
@@ -51,7 +53,7 @@ class Pair:
     coupling: screw_motion.Coupling = frozen_default("none")
 
     def balls_with_loads(self) -> screw_motion.BallsBetweenGrooves:
-        """Return both balls between screw and nut with their loads, as argument of `solve_coupled_chain`.
+        """Return both balls between screw and nut with their loads, as argument of `search_coupled_chain`.
 
         The balls touch each other, and azimuth 0 lies in the middle between them.
         """
@@ -117,8 +119,9 @@ def solve_pair_of_screw_balls(pair: Pair, guess: IterationStart | None = None) -
         contact begins without friction, and the search for the state with contact from the state without contact.
     """
     cell, apart = pair.balls_with_loads(), None if guess is None else replace(guess, ball_force=np.zeros(2))
-    free = solve_coupled_chain(cell, np.full(2, np.inf), pair.coupling, guess=apart)
-    return ScrewPairSolution(free, solve_coupled_chain(cell, np.array([0.0, np.inf]), pair.coupling, free, guess=guess))
+    free = solve_alone(search_coupled_chain(cell, np.full(2, np.inf), pair.coupling, guess=apart))
+    pressed = search_coupled_chain(cell, np.array([0.0, np.inf]), pair.coupling, free, guess=guess)
+    return ScrewPairSolution(free, solve_alone(pressed))
 
 
 def pair_sliding_speed(pair: Pair) -> float:
@@ -164,7 +167,7 @@ def load_implied_by_ball_force(pair: Pair, force: float, increase: float) -> flo
 
 @frozen_record
 class Run:
-    """Ball screw with the data for its simulation over time by `simulate`; azimuths are measured relative to the screw.
+    """Ball screw with the data for its simulation over time by `travel`; azimuths are measured relative to the screw.
 
     Lin does not print values for the fields from ``oversize`` on; they are assumptions.
     """
@@ -278,7 +281,7 @@ class Run:
 
     def solve_at_instant(
         self, azimuth: Array, time: float, slack: Array, memory: CoupledChainSolution | None
-    ) -> InstantSolution:
+    ) -> Search[InstantSolution]:
         """Return the contact loads and ball motions of the simulated screw at one instant.
 
         ``azimuth``: azimuths of the balls, measured on the screw ``(N,)`` [rad]; ``time``: time since the start [s];
@@ -288,7 +291,7 @@ class Run:
         turned = self.groove.speed * time
         azimuths, loaded = self.fold_into_track(azimuth, turned)
         cell = balls_at_instant(self, azimuths, loaded, turned)
-        near = solve_coupled_chain(cell, slack, self.coupling, memory, self.rounds)
+        near = yield from search_coupled_chain(cell, slack, self.coupling, memory, self.rounds)
         m = near.motion
         return InstantSolution(
             omega=m.q[:, 0] - self.groove.screw_speed,
@@ -320,7 +323,7 @@ def contact_angle_deviation(run: Run, azimuth: Array, nut_angle: float = 0.0) ->
 
 
 def balls_at_instant(run: Run, azimuth: Array, loaded: Mask, nut_angle: float) -> screw_motion.BallsBetweenGrooves:
-    """Return the balls of a simulated screw at one instant and the force on it, as argument of `solve_coupled_chain`.
+    """Return the balls of a simulated screw at one instant and the force on it, as argument of `search_coupled_chain`.
 
     ``run``: the simulated screw; ``azimuth``: azimuths of the balls, measured on the screw ``(N,)`` [rad]; ``loaded``:
     whether each ball is in the loaded turns ``(N,)`` (balls outside get so much clearance that they have no contact);
@@ -336,12 +339,14 @@ def balls_at_instant(run: Run, azimuth: Array, loaded: Mask, nut_angle: float) -
 def simulate_equal_steps(run: Run) -> TravelHistory:
     """Return the time history of a ball screw, simulated by Lin's scheme of equal time steps from evenly spread balls.
 
-    Parameters
-    ----------
-    run
-        Ball screw, with duration and number of steps of the simulation.
+    ``run``: ball screw, with duration and number of steps of the simulation.
     """
-    return simulate(run, run.duration, run.steps, "equal")
+    return simulate_runs_in_equal_steps([run])[0]
+
+
+def simulate_runs_in_equal_steps(runs: Sequence[Run]) -> list[TravelHistory]:
+    """Return the time histories of several ball screws, simulated as by `simulate_equal_steps`, side by side."""
+    return solve_together([travel(run, run.duration, run.steps, "equal") for run in runs])
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 
 from rollbench.lowfi.friction.screw.groove import HelicalMotion
+from rollbench.lowfi.friction.together import Search, solve_alone
 from rollbench.meshes.arrays import Array, Index, Mask
 
 
@@ -154,7 +155,9 @@ class SimulatedSystem(Protocol):
         ``time``: present time since the start [s].
         """
 
-    def solve_at_instant(self, azimuth: Array, time: float, slack: Array, memory: Any) -> InstantSolution | str:
+    def solve_at_instant(
+        self, azimuth: Array, time: float, slack: Array, memory: Any
+    ) -> Search[InstantSolution] | Search[InstantSolution | str]:
         """Return contact loads and ball motions at one instant, or a text that says why no loads are found.
 
         ``azimuth``: azimuths of the balls ``(N,)`` [rad]; ``time``: time since the start [s]; ``slack``: largest rate at
@@ -384,14 +387,14 @@ def _history_from_pieces(
     return replace(run, status=f"no balance of friction found at a rotation of {first:.6g} deg")
 
 
-def simulate(
+def travel(
     setting: SimulatedSystem,
     duration: float,
     steps: int,
     scheme: Scheme = "located",
     report: Callable[[float], object] = float,
-) -> TravelHistory:
-    """Return the time history of balls that travel round their closed tracks, simulated in equal time steps.
+) -> Search[TravelHistory]:
+    """Search for the time history of balls that travel round their closed tracks, simulated in equal time steps.
 
     The scheme "located" divides a step at every event: a ball enters or leaves a loaded arc, or meets its neighbour.
     The gaps between balls are never negative, and their sum on a track does not change. The simulation ends early where
@@ -424,7 +427,7 @@ def simulate(
     dt, place, rows, located = duration / steps, setting.state_at_start(), list[dict[str, Any]](), scheme == "located"
     speed = abs(setting.groove.speed)
     if located:
-        first = setting.solve_at_instant(place.azimuth, 0.0, np.full(place.gap.size, np.inf), place.memory)
+        first = yield from setting.solve_at_instant(place.azimuth, 0.0, np.full(place.gap.size, np.inf), place.memory)
         if not isinstance(first, str):  # speeds of the first half step
             place = place._replace(omega=first.omega, memory=first.memory)
     for k in range(steps):
@@ -440,7 +443,7 @@ def simulate(
             slack = place.gap / piece
             if located:
                 slack = np.where(slack > FASTEST * np.abs(place.omega).max(), np.inf, slack)
-            instant = setting.solve_at_instant(azimuth, time, slack, place.memory)
+            instant = yield from setting.solve_at_instant(azimuth, time, slack, place.memory)
             if isinstance(instant, str):
                 ended = f"at a rotation of {np.degrees(speed * time):.6g} deg: {instant}"
                 return _history_from_pieces(rows, setting, duration, steps, ended)
@@ -455,6 +458,17 @@ def simulate(
             left -= piece
         report((k + 1) / steps)
     return _history_from_pieces(rows, setting, duration, steps, "converged")
+
+
+def simulate(
+    setting: SimulatedSystem,
+    duration: float,
+    steps: int,
+    scheme: Scheme = "located",
+    report: Callable[[float], object] = float,
+) -> TravelHistory:
+    """Return the time history of balls that travel round their closed tracks; arguments and errors: see `travel`."""
+    return solve_alone(travel(setting, duration, steps, scheme, report))
 
 
 def ignore_progress(steps: str, share: float) -> None:

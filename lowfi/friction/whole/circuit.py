@@ -12,8 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from rollbench.lowfi.friction.screw import groove
-from rollbench.lowfi.friction.screw.chain import BallChain, ChainMotion, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.chain import BallChain, ChainMotion, search_motion_of_chain
 from rollbench.lowfi.friction.screw.travel import ClosedTrack
+from rollbench.lowfi.friction.together import Search
 from rollbench.lowfi.friction.whole import losses
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_result
 from rollbench.lowfi.friction.whole.torque import ONE_TURN, axial_forces_and_moments
@@ -241,7 +242,7 @@ class SceneBallChain(BallChain):
         return float(np.sum(helical * np.where(groove.ON_SCREW, self.groove.screw_speed, self.groove.nut_speed)))
 
 
-def solve_motion_on_track(
+def search_motion_on_track(
     scene: Scene,
     contacts: StaticContacts,
     slack: Array,
@@ -249,7 +250,7 @@ def solve_motion_on_track(
     drive: Drive,
     grooves: SceneGrooves,
     start: tuple[Array, Array] | None = None,
-) -> ChainMotion:
+) -> Search[ChainMotion]:
     """Return the motion of the balls of one closed track, in order of azimuth, and the forces between them.
 
     The contact loads are known. Two balls touch each other as two balls of nominal size do; their actual sizes only
@@ -282,7 +283,7 @@ def solve_motion_on_track(
     share, top = losses.relative_friction_coefficients(friction)
     rubs = losses.friction_contacts(scene, contacts, top * share, drive)
     chain = SceneBallChain(grooves, contacts.force, contacts.normals, slack, rubs, friction.between_balls, contacts)
-    motion = solve_motion_of_chain(chain, start, True)
+    motion = yield from search_motion_of_chain(chain, start, True)
     for rows in (motion.contact_motions, motion.contact_friction):
         losses.rotate_to_groove_axes(contacts, rows)
     return motion

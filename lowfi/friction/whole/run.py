@@ -15,9 +15,11 @@ import numpy as np
 
 from rollbench.lowfi.compliance.bodies import compliance_between_contacts
 from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
+from rollbench.lowfi.friction.screw.chain import ChainMotion
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.lowfi.friction.screw.travel import BallState, InstantSolution
-from rollbench.lowfi.friction.whole.circuit import BallsInCircuits, solve_motion_on_track
+from rollbench.lowfi.friction.together import Search, SideBySide
+from rollbench.lowfi.friction.whole.circuit import BallsInCircuits, search_motion_on_track
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_all_balls, contacts_of_solution
 from rollbench.lowfi.friction.whole.feedback import (
     DisplacedBalls,
@@ -233,7 +235,9 @@ class SceneInMotion(BallsInCircuits):
             return np.inf
         return min(track.time_to_arc_end(azimuth, omega) for track in self.tracks)
 
-    def solve_at_instant(self, azimuth: Array, time: float, slack: Array, memory: LastInstant) -> InstantSolution | str:
+    def solve_at_instant(
+        self, azimuth: Array, time: float, slack: Array, memory: LastInstant
+    ) -> Search[InstantSolution | str]:
         """Return the contact loads and ball motions at one instant, or a text that says why no loads were found.
 
         ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad]; ``time``: time since the start [s]; ``slack``:
@@ -244,12 +248,13 @@ class SceneInMotion(BallsInCircuits):
         at, loaded, status = self.solve_contacts(azimuth, time, push, memory.ball_motions)
         if status != "converged":
             return status
-        moved = []
+        searches = []
         for members in (track.balls for track in self.tracks):
             rates = slack[members] if members.stop - members.start > 1 else np.array([np.inf])
             start = (memory.ball_motions[members], memory.ball_forces[members])
             balls, grooves = at.subset(members), self.groove
-            moved.append(solve_motion_on_track(self.scene, balls, rates, self.friction, self.drive, grooves, start))
+            searches.append(search_motion_on_track(self.scene, balls, rates, self.friction, self.drive, grooves, start))
+        moved: list[ChainMotion] = yield SideBySide(searches)
         q, force, wrench = (np.concatenate([getattr(m, name) for m in moved]) for name in ("q", "ball_force", "wrench"))
         axial = -at.axial_force
         if friction_displaces_balls(self.scene, self.friction):

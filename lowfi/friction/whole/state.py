@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rollbench.lowfi.friction.together import solve_together
 from rollbench.lowfi.friction.whole import feedback, heathcote, losses
 from rollbench.lowfi.friction.whole import torque as whole_torque
-from rollbench.lowfi.friction.whole.circuit import balls_in_circuits, solve_motion_on_track
+from rollbench.lowfi.friction.whole.circuit import balls_in_circuits, search_motion_on_track
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_all_balls, contacts_of_result
 from rollbench.lowfi.friction.whole.losses import BallsUnderLoad
 from rollbench.lowfi.statics.result import StaticResult
@@ -66,7 +67,7 @@ def friction_with_neighbours(
     least = np.inf
     q, force, status = np.full((order.size, 4), np.nan), np.zeros(order.size), ["no load"] * order.size
     motion, pull = np.zeros((order.size, 4, 3)), np.zeros((order.size, 4, 3))
-    power, touching, left = 0.0, 0, 0.0
+    power, touching, left, searches = 0.0, 0, 0.0, []
     for members in (track.balls for track in all_balls.tracks):
         number = all_balls.number[members]
         free = (number < 0) | (np.roll(number, -1) < 0)
@@ -75,7 +76,9 @@ def friction_with_neighbours(
         limit = np.where(free, np.inf, slack[members])
         least = min(least, float(np.min(np.where(free, np.inf, gap[members]))))
         touching += int(np.sum(limit == 0.0))
-        moved = solve_motion_on_track(scene, full.subset(members), limit, friction, drive, all_balls.groove)
+        searches.append(search_motion_on_track(scene, full.subset(members), limit, friction, drive, all_balls.groove))
+    for track_of_balls, moved in zip(all_balls.tracks, solve_together(searches), strict=True):
+        number = all_balls.number[track_of_balls.balls]
         kept, to = number >= 0, number[number >= 0]
         pressed = contacts.force[to].sum(axis=1) > 0.0
         q[to] = np.where(pressed[:, None], moved.q[kept], np.nan)

@@ -9,6 +9,7 @@ from tests.friction_oracles import ball_cell, coupled_ball
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.screw import coupled, motion
 from rollbench.lowfi.friction.screw.run import BOTH, Pair, solve_pair_of_screw_balls
+from rollbench.lowfi.friction.together import solve_alone
 
 #: One of the cases below: the way with the first regularising speed ends in a fold.
 FOLD = (0.0011870711354544847, 1.1600932507239492e-07, (2.7421699016943855, 0.6621765470335923), 0.06644672659308906)
@@ -94,7 +95,8 @@ def test_a_floating_ball_may_wedge_itself() -> None:
     for _ in range(12):
         push = np.array([[0.0, 0.0], 0.01 * rng.normal(size=2)])
         guess = coupled.IterationStart(push, np.zeros(1), floats.motion.q, np.zeros(2))
-        found.append(coupled.solve_coupled_chain(cell, np.full(2, np.inf), "ball", None, 100, guess))
+        search = coupled.search_coupled_chain(cell, np.full(2, np.inf), "ball", None, 100, guess)
+        found.append(solve_alone(search))
     wedged = [s for s in found if s.loads_with_friction.force[1].sum() > 0.1]
     assert wedged
     assert all(s.converged and out_of_balance(pair, s) < 1e-8 for s in found)

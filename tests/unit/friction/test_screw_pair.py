@@ -12,6 +12,7 @@ from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.screw import run
 from rollbench.lowfi.friction.screw.chain import BalanceSearch, ScrewBallChain, screw_ball_chain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw, solve_ball_motion
+from rollbench.lowfi.friction.together import solve_alone
 
 SCREW = source_cases.screw_groove()
 TWO = np.radians(2.0)
@@ -83,7 +84,7 @@ def test_frictionless_chain_is_a_constrained_least_dissipation() -> None:
         return (np.einsum("kir,kirj->kj", d, maps) * s.speed / s.units).ravel() / r.loss
 
     order = [{"type": "ineq", "fun": lambda x, k=k: x[4 * k + 4] - x[4 * k]} for k in range(2)]
-    start = s.motions_without_neighbours().ravel()
+    start = solve_alone(s.motions_without_neighbours()).ravel()
     best = minimize(loss, start, jac=slope, method="SLSQP", constraints=order, options={"ftol": 1e-14})
     assert best.fun == pytest.approx(1.0, rel=1e-7)
     assert best.x[::4] == pytest.approx(r.q[:, 0] * s.units[0] / s.speed, rel=1e-5)

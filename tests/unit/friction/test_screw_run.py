@@ -1,5 +1,6 @@
 """A whole ball screw over time: order, gaps, energy, recirculation, limits."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -9,6 +10,7 @@ from scipy.interpolate import CubicSpline
 import rollbench
 from rollbench.compare.cases.lin.evidence.source_cases import simulation_inputs
 from rollbench.compare.scenes import catalogue
+from rollbench.lowfi.friction.screw import balance
 from rollbench.lowfi.friction.screw import run as screw_run
 from rollbench.lowfi.friction.screw.motion import solve_ball_motion
 from rollbench.lowfi.friction.screw.travel import TravelHistory
@@ -121,3 +123,27 @@ def test_rounds_agree_in_every_step(coupling: str) -> None:
     assert np.all(lagged.change > 1e-6 * lagged.load.sum(axis=(1, 2)))  # what the rounds are for
     assert agreed.presses_on_next.any()
     assert np.abs(agreed.imbalance).max() < 1e-8
+
+
+def test_runs_side_by_side_are_those_of_each_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs that differ in pattern, direction or friction: the same motion, with equations of several runs in one call."""
+    run = simulation_inputs(steps=6, duration=0.06)
+    back, rough = replace(run.groove, nut_speed=-run.groove.nut_speed), replace(run.groove, mu=0.05)
+    runs = [run, replace(run, pattern=screw_run.SHIFTED), replace(run, groove=back), replace(run, groove=rough)]
+    sizes = list[int]()
+    balances = balance.force_balance
+
+    def counted(track, balls, f, law):
+        sizes.append(f.size)
+        return balances(track, balls, f, law)
+
+    monkeypatch.setattr(balance, "force_balance", counted)
+    alone = [screw_run.simulate_equal_steps(one) for one in runs]
+    assert set(sizes) == {run.count}
+    calls, together = len(sizes), screw_run.simulate_runs_in_equal_steps(runs)
+    assert max(sizes) == len(runs) * run.count
+    assert len(sizes) - calls < 0.6 * calls
+    for one, other in zip(alone, together, strict=True):
+        assert other.status == one.status == "converged"
+        assert other.torque == pytest.approx(one.torque, rel=1e-9)
+        assert other.omega == pytest.approx(one.omega, rel=1e-9)

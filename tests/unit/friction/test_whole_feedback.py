@@ -12,6 +12,7 @@ from tests.whole_screws import MU, SCENES, TURN, scene_of, single, state
 from rollbench.compare.cases.lin.evidence.source_cases import screw_groove
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies import survey
+from rollbench.lowfi.friction.together import solve_alone
 from rollbench.lowfi.friction.whole.feedback import DisplacedBalls, positions_in_grooves, solve_friction_equilibria
 from rollbench.lowfi.friction.whole.losses import BallsUnderLoad, ball_friction
 from rollbench.lowfi.friction.whole.state import FrictionCase, friction_state, friction_states
@@ -142,8 +143,9 @@ def test_feedback_settles_where_a_flank_hardly_bears(degrees):
     s, time = setting(scene, COUPLED, TURN), np.radians(degrees) / TURN.speed
     place = s.state_at_start()
     still = np.full(place.gap.size, np.inf)
-    first = s.solve_at_instant(place.azimuth, 0.0, still, place.memory)
-    found = s.solve_at_instant(place.azimuth + time * first.omega, time, place.gap / (2.0 * time), first.memory)
+    first = solve_alone(s.solve_at_instant(place.azimuth, 0.0, still, place.memory))
+    azimuth, slack = place.azimuth + time * first.omega, place.gap / (2.0 * time)
+    found = solve_alone(s.solve_at_instant(azimuth, time, slack, first.memory))
     assert found.converged
     assert found.axial == pytest.approx(scene.loads[0].force[2], rel=1e-6)
     light = np.sort(found.load, axis=1)[:, 0] / found.load.sum(axis=1)

@@ -17,7 +17,8 @@ from rollbench.lowfi.friction.screw.chain import screw_ball_chain, solve_motion_
 from rollbench.lowfi.friction.screw.motion import solve_screw_contact_loads
 from rollbench.lowfi.friction.screw.run import balls_at_instant
 from rollbench.lowfi.friction.screw.travel import simulate
-from rollbench.lowfi.friction.whole.circuit import grooves_of_scene, solve_motion_on_track
+from rollbench.lowfi.friction.together import solve_alone
+from rollbench.lowfi.friction.whole.circuit import grooves_of_scene, search_motion_on_track
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.statics.nominal import contact_loads
 from rollbench.lowfi.statics.static import solve_elastic, solve_static
@@ -145,7 +146,8 @@ def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
     expected = solve_motion_of_chain(screw_ball_chain(g, loads.force, g.normals(loads.angle), slack))
     scene, at = scene_of(g, azimuth), contacts_in(g, loads.force, loads.angle, azimuth)
     friction, drive = Friction(g.mu, g.mu, feedback=False), Motion(g.nut_speed, "nut")
-    found = solve_motion_on_track(scene, at, slack, friction, drive, grooves_of_scene(scene, friction, drive))
+    grooves = grooves_of_scene(scene, friction, drive)
+    found = solve_alone(search_motion_on_track(scene, at, slack, friction, drive, grooves))
     assert expected.ball_force.max() > 0.1
     assert found.ball_force == pytest.approx(expected.ball_force, rel=1e-8, abs=1e-10 * expected.ball_force.max())
     assert found.q == pytest.approx(expected.q, rel=1e-9, abs=1e-9)

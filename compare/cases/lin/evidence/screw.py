@@ -30,6 +30,7 @@ from rollbench.lowfi.friction.screw.run import (
     ScrewRunSummary,
     load_implied_by_ball_force,
     simulate_equal_steps,
+    simulate_runs_in_equal_steps,
     solve_pair_of_screw_balls,
     summarise_screw_run,
 )
@@ -594,7 +595,8 @@ def interpretation_results() -> tuple[ScrewRunSummary, ...]:
     Each simulation has 200 equal time steps. Returns a summary of each simulation, with the largest ball-to-ball torque and
     the nut angles at which it occurs and at which contact ends.
     """
-    return tuple(summarise_screw_run(simulate_equal_steps(inputs_of_interpretation(*reading))) for reading in TRIED)
+    runs = simulate_runs_in_equal_steps([inputs_of_interpretation(*reading) for reading in TRIED])
+    return tuple(map(summarise_screw_run, runs))
 
 
 PRINTED_OF_RUN = ("largest", "largest_at", "none_at")
@@ -715,10 +717,9 @@ def simulation_sensitivity_rows() -> list[Row]:
         words = f"theta of {a:g}°, {oversize_in_words()}, {history.steps} steps"
         rows.append(simulation_result_row(AS_CASE, words, history))
     rows.append(simulation_row_by_lin_method(source_cases.simulation_inputs()))
-    for name, value, new in simulation_input_variations():
-        run = source_cases.simulation_inputs(**(SHORT | new))
-        rows.append(simulation_result_row(name, value, simulate_equal_steps(run)))
-    return rows
+    names, values, changes = zip(*simulation_input_variations(), strict=True)
+    runs = simulate_runs_in_equal_steps([source_cases.simulation_inputs(**(SHORT | new)) for new in changes])
+    return rows + list(map(simulation_result_row, names, values, runs))
 
 
 def bearings_under_varied_assumptions() -> list[tuple[str, str, friction_bearing.BearingCase]]:
