@@ -108,15 +108,6 @@ _OF_KIND = {
 }
 
 
-def neglected_effects_of_kind(kind: str, coupling: str | None = None) -> list[str]:
-    """Return sentences on physical effects that the friction results of single parts (balls, one bearing) neglect.
-
-    ``kind``: kind of the scene, such as "bearing ball"; ``coupling``: for a screw, which balance of loads includes
-    friction: "none", "ball" (of the ball) or "ball and screw" (of both), as in the scene file; None for other kinds.
-    """
-    return [*_OF_KIND[kind], *(_COUPLING[coupling] if coupling else ()), *_KINDS]
-
-
 # --- fields of records
 
 
@@ -136,6 +127,7 @@ def friction_of_parts(
     ``kind``: class of the record; ``status``: "converged", or why not; ``converged``: whether loads and friction converged;
     ``keys``: further keys of the JSON; ``fields``: further fields.
     """
+    coupling = fields.get("coupling")  # of a screw: which balance of loads includes friction
     return kind(
         scene=scene.name,
         title=scene.title,
@@ -143,7 +135,7 @@ def friction_of_parts(
         reason=status,
         converged=converged,
         assumed=tuple(scene.assumed),
-        left_out=tuple(neglected_effects_of_kind(scene.kind, fields.get("coupling"))),
+        left_out=(*_OF_KIND[scene.kind], *(_COUPLING[coupling] if coupling else ()), *_KINDS),
         keys=(*_HEAD_OF_PARTS, *keys, "warnings"),
         **fields,
     )
