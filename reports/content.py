@@ -398,6 +398,8 @@ class PressurePanel:
     text_above: str = ""
     #: Components (x, y) of an arrow at each node, such as the tangential traction; None: no arrows.
     arrows: tuple[Numbers, Numbers] | None = None
+    #: Step of the nodes at which arrows are drawn: at every ``arrow_step``-th node.
+    arrow_step: int = 1
     #: Whether each node is marked by a square; None: no node is marked.
     marked_nodes: Sequence[bool] | None = None
 

@@ -399,7 +399,7 @@ def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureM
         at = np.asarray(panel.marked_nodes, bool)
         axes.plot(x[at], y[at], "s", markersize=4.0, markerfacecolor="none", color="#ff9db4", label=item.marked_label)
     if panel.arrows is not None:
-        arrows = (np.asarray(values, float) for values in (x, y, *panel.arrows))
+        arrows = (np.asarray(values, float)[:: panel.arrow_step] for values in (x, y, *panel.arrows))
         axes.quiver(*arrows, color="#ffffff", angles="xy", pivot="mid", scale=24.0, width=0.003)
     x0, y0, a, b = panel.ellipse
     around = np.linspace(0.0, 2.0 * np.pi, 181)

@@ -61,13 +61,13 @@ class RollbenchFixture:
             Verdicts on the scene, all "pass".
         """
         from rollbench.compare.errors import InputError
-        from rollbench.compare.gate.user import check_scenes, gate_request
+        from rollbench.compare.gate.user import GateRequest, check_scenes
         from rollbench.compare.reference.jobs import ComputingSettings
         from rollbench.compare.scenes import catalogue
         from rollbench.meshes.cache import default_cache_folder
 
         try:
-            request = gate_request(
+            request = GateRequest(
                 model=model,
                 loads=None if loads is None else self.root / loads,
                 values=None if values is None else self.root / values,

@@ -119,7 +119,7 @@ class SimulationTimeKeys(SceneFileTable, Time):
 class BallScrewFrictionKeys(common.HertzSceneKeys, common.EqualGrooveKeys):
     """Ball screw with load, motion and friction; only the speed of nut and screw relative to each other matters."""
 
-    track: BallHelixKeys = scene_key("path of the ball centres")
+    track: BallHelixKeys = scene_key("path of the ball centres")  # type: ignore[assignment] # a bearing has no hand
     load: ScrewLoadKeys = scene_key("force on the screw")
     motion: Motion = scene_key("motion along the helix")
     friction: ScrewFrictionKeys = scene_key("friction")
