@@ -149,19 +149,23 @@ def loads_of(frame, reach, steps=500):
         )
         C, n = frame.balls["C"], w / size[..., None]
         x = np.sqrt(np.where(frame.balls["used"], np.maximum(delta, 0.0), 0.0) / C)
-        t = np.stack([-n[..., 1], n[..., 0]], axis=-1)
-        h = (1.5 * x / C)[..., None, None] * n[..., :, None] * n[..., None, :]
-        h = h + (x**3 / size)[..., None, None] * t[..., :, None] * t[..., None, :]
         force, stiff, stored = line_loads(frame.slices, rows @ z - frame.slices[0])
         energy = 0.5 * z @ K @ z - load @ z + (0.4 * C * x**5).sum() + stored.sum()
         g = K @ z - load + np.einsum("nsa,nsaj->j", (x**3)[..., None] * n, J) + rows.T @ force
-        H = K + np.einsum("nsai,nsab,nsbj->ij", J, h, J, optimize=True) + (rows.T * stiff) @ rows
-        return energy, g[free], H[np.ix_(free, free)], x**3, force
+
+        def hessian():  # not of the points that a search along a step only tries
+            t = np.stack([-n[..., 1], n[..., 0]], axis=-1)
+            h = (1.5 * x / C)[..., None, None] * n[..., :, None] * n[..., None, :]
+            h = h + (x**3 / size)[..., None, None] * t[..., :, None] * t[..., None, :]
+            H = K + np.einsum("nsai,nsab,nsbj->ij", J, h, J, optimize=True) + (rows.T * stiff) @ rows
+            return H[np.ix_(free, free)]
+
+        return energy, g[free], hessian, x**3, force
 
     z, typical = np.append(frame.given, np.zeros(2 * N)), float(np.median(frame.balls["C"])) if N else 1.0
     now, soft, best, stalled = at(z), 1.0, np.inf, 0
     for _ in range(steps):
-        energy, g, H, force, of_slices = now
+        energy, g, hessian, force, of_slices = now
         most = max(force.max(initial=0.0), of_slices.max(initial=0.0), np.abs(load).max(), 1e-12)
         off = float(np.abs(g).max()) / most
         best, stalled = min(best, off), 0 if off < 0.5 * best else stalled + 1
@@ -169,7 +173,7 @@ def loads_of(frame, reach, steps=500):
             break
         mu = soft * min(1.0, off) * np.cbrt(most) / typical
         step = np.zeros(z.size)
-        step[free] = -np.linalg.solve(H + mu * np.eye(len(g)), g)
+        step[free] = -np.linalg.solve(hessian() + mu * np.eye(len(g)), g)
         far = np.abs(J @ step).max(initial=0.0)
         t, slope = min(1.0, reach / far) if far else 1.0, float(step[free] @ g)
         for _ in range(40):
