@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import cos, floor, hypot, pi, sin
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -262,21 +262,18 @@ def with_preload_as_oversize(scene: parts.Scene, keys: schema.PreloadKeys | None
     return replace(scene, errors=replace(scene.errors, balls=balls), assumed=assumed)
 
 
-#: Class of a scene with load cases.
-Parts = TypeVar("Parts", bound="parts.Scene | Assembly")
-
 #: Largest allowed deviation of the sum of shares from 1, since files state shares with a few digits.
 ROUNDED = 1e-6
 
 
 def with_load_cases(
-    scene: Parts,
+    scene: parts.Scene | Assembly,
     load_case_keys: Sequence[schema.LoadCaseKeys],
     tables: Mapping[str, Any],
     file_name: str,
     faults_of_scene: Callable[[Any], Iterable[Fault]],
-) -> Parts | DutyCycle:
-    """Return the duty cycle of a scene with its file's load cases; the scene itself if the file has none.
+) -> DutyCycle:
+    """Return the duty cycle of a scene with its file's load cases, of which there is at least one.
 
     The share of a load case is its fraction of the revolutions of the cycle. If the file states times instead of shares,
     the revolutions of a load case are its time multiplied by its absolute speed.
@@ -299,8 +296,6 @@ def with_load_cases(
     SceneError
         For the faults of the scene in any load case.
     """
-    if not load_case_keys:
-        return scene
     turned = [0.0 if k.time is None else k.time * abs(k.speed or 0.0) for k in load_case_keys]
     whole, time = sum(turned), sum(k.time or 0.0 for k in load_case_keys)
     shares = [k.share or 0.0 for k in load_case_keys] if whole == 0.0 else [x / whole for x in turned]

@@ -43,6 +43,8 @@ def scene_from_tables(tables: dict[str, Any], file_name: str) -> Described:
 
         keys = fault.validate_or_raise(tables, ShaftSceneKeys, file_name)
         shaft = shaft_scene_from_keys(keys, tables, file_name, Path(file_name).stem)
+        if not keys.cases:
+            return shaft
         return with_load_cases(shaft, keys.cases, tables, file_name, geometry_faults_of_nuts_and_bearings)
     nut = tables.get("nut")
     bodies = isinstance(nut, dict) and "length" in nut  # a ball screw or bearing with a misspelt key
@@ -97,6 +99,8 @@ def single_nut_scene_from_tables(tables: dict[str, Any], file_name: str) -> Scen
         fault.raise_scene_error_for_faults(file_name, tables, _geometry_or_contact_faults(scene))
     if scene.track.lead == 0.0:
         scene = with_single_arc_grooves(scene)
+    if not keys.cases:
+        return scene
     return with_load_cases(scene, keys.cases, tables, file_name, _geometry_or_contact_faults)
 
 
