@@ -49,10 +49,10 @@ class PrintedEntryComparison:
     as_printed: float | None = None
     #: Value computed under an assumption that was inferred from the printed results, so that agreement with these
     #: results confirms nothing.
-    value_by_inferred_assumption: float | None = None
+    reading: float | None = None
     #: Value that follows from other printed numbers, such as their sum, in the printed unit; None: not computed. It tests
     #: the publication's arithmetic and no model.
-    follows_from_printed: float | None = None
+    follows: float | None = None
     #: Value computed by the 3D model, in the printed unit; None: not computed in 3D.
     reference: float | None = None
     #: Whether a claim in words is true; None for a number, or if the claim was not tested.
@@ -68,7 +68,7 @@ class PrintedEntryComparison:
         reproduced otherwise, a mistake is repeated. For a number of the kind "arithmetic" it is the value that follows from
         other printed numbers.
         """
-        return self.follows_from_printed if self.printed.kind == "arithmetic" else self.model_value
+        return self.follows if self.printed.kind == "arithmetic" else self.model_value
 
     @property
     def model_value(self) -> float | None:
@@ -83,7 +83,7 @@ class PrintedEntryComparison:
     @property
     def reading_error_percent(self) -> float | None:
         """Error [%] of the value computed under an assumption that was inferred from the publication's printed results."""
-        return self._error_against_printed_number(self.value_by_inferred_assumption)
+        return self._error_against_printed_number(self.reading)
 
     def _error_against_printed_number(self, value: float | None) -> float | None:
         """Return the error of ``value`` against the printed number [%]; None if one is missing or the number is zero."""
@@ -161,23 +161,7 @@ class ComputedEntryValues:
         #: Values of fields of `PrintedEntryComparison`, by the keys of the table and by field.
         self.values: dict[str, dict[str, Any]] = {}
 
-    def _set_fields(self, key: str, **fields: float | bool | str | None) -> None:
-        """Set fields of the record `PrintedEntryComparison` of the number or claim ``key``; KeyError for an unknown key."""
-        if key not in self._rows:
-            raise KeyError(f"table {self.table} of a publication: no printed number or claim has the key {key!r}")
-        self.values[key] = self.values.get(key, {}) | fields
-
-    def add_number(
-        self,
-        key: str,
-        value: float | None,
-        words: str = "",
-        *,
-        as_printed: float | None = None,
-        reading: float | None = None,
-        follows: float | None = None,
-        reference: float | None = None,
-    ) -> None:
+    def add_number(self, key: str, value: float | None, words: str = "", **others: float | None) -> None:
         """Add the values computed for one printed number, in the printed unit.
 
         Parameters
@@ -188,29 +172,24 @@ class ComputedEntryValues:
             Value that a model computes without the mistake of the publication; it depends on no printed result. None: none.
         words
             Remark on the value.
-        as_printed
-            Value computed with the publication's mistakes repeated.
-        reading
-            Value under an assumption that was inferred from the printed results.
-        follows
-            Value that follows from other printed numbers.
-        reference
-            Value of the 3D reference.
+        **others
+            Further fields of `PrintedEntryComparison`: ``as_printed`` (with the publication's mistakes repeated),
+            ``reading`` (under an assumption that was inferred from the printed results), ``follows`` (from other printed
+            numbers) and ``reference`` (of the 3D reference).
 
         Raises
         ------
         KeyError
             If the table has no such key.
         """
-        self._set_fields(
-            key,
-            value=value,
-            as_printed=as_printed,
-            value_by_inferred_assumption=reading,
-            follows_from_printed=follows,
-            reference=reference,
-            remark=words,
-        )
+        self._row(key).update({"value": value, "as_printed": None, "reading": None, "follows": None, "reference": None})
+        self._row(key).update({"remark": words} | others)
+
+    def _row(self, key: str) -> dict[str, Any]:
+        """Return the fields of the number or claim ``key`` that are set so far; KeyError for an unknown key."""
+        if key not in self._rows:
+            raise KeyError(f"table {self.table} of a publication: no printed number or claim has the key {key!r}")
+        return self.values.setdefault(key, {})
 
     def numbers(self, values: Mapping[str, float]) -> None:
         """Add the correct values computed for several printed numbers, by key; KeyError for an unknown key."""
@@ -228,11 +207,11 @@ class ComputedEntryValues:
 
     def add_claim(self, key: str, holds: bool, words: str) -> None:
         """Add whether the printed claim ``key`` is true (``holds``), and a text ``words`` with the numbers that show it."""
-        self._set_fields(key, claim_is_true=bool(holds), remark=words)
+        self._row(key).update(claim_is_true=bool(holds), remark=words)
 
     def add_remark(self, key: str, words: str) -> None:
         """Add the remark ``words`` on the printed number or claim ``key``, such as the reason why it is not compared."""
-        self._set_fields(key, remark=words)
+        self._row(key).update(remark=words)
 
     def comparisons(self) -> tuple[PrintedEntryComparison, ...]:
         """Return every number and claim of the printed table with its computed values and verdict, in the table's order."""
@@ -403,40 +382,29 @@ def evidence_of_table(cache: SceneResultCache, name: str) -> tuple[PrintedEntryC
     return computation.compute(cache)
 
 
-@dataclass(frozen=True)
-class EntryOrigin:
-    """How the value for a printed number or claim is computed: from which scenes, by which function, with which test."""
-
-    #: Name of the printed table.
-    table: str
-    #: Key of the number or claim in the table.
-    key: str
-    #: Number with its unit, or claim, as printed.
-    printed: str
-    #: Class of the number or claim, a key of `printed.CLASSES`.
-    cls: str
-    #: Names of the scenes from which the value is computed.
-    scenes: tuple[str, ...]
-    #: Reason why no scene is used; else empty.
-    no_scene: str
-    #: Function that computes the value; "none" if nothing is computed.
-    computation: str
-    #: Test that asserts the number or claim; empty if nothing is computed.
-    test: str
-
-
-def computations_of_entries(table: str = "") -> Iterator[EntryOrigin]:
+def computations_of_entries(table: str = "") -> Iterator[dict[str, Any]]:
     """Yield, for every printed number and claim, how the value for it is computed; InputError for an unknown table.
 
-    ``table``: name of the printed table; empty: all tables.
+    The keys are the printed table; the key of the number or claim; what is printed, with its unit; its class; the names of
+    the scenes, or the reason why no scene is used; the function that computes the value ("none" without one); the test that
+    asserts it (empty if nothing is computed). ``table``: name of the printed table; empty: all tables.
     """
     for name in [table] if table else printed_table_names():
         rows, computation = load_printed_table(name), all_computations()[name]
         for row in rows:
             printed = row.claim or f"{row.number_as_printed} {row.unit}".rstrip()
             test = f"{computation.test_file}::test_entry[{row.name}]" if computation.function_path else ""
-            behind = computation.scenes_or_reason(row)
-            yield EntryOrigin(name, row.key, printed, row.entry_class, *behind, computation.function_name, test)
+            scenes, reason = computation.scenes_or_reason(row)
+            yield {
+                "table": name,
+                "key": row.key,
+                "printed": printed,
+                "cls": row.entry_class,
+                "scenes": scenes,
+                "no_scene": reason,
+                "computation": computation.function_name,
+                "test": test,
+            }
 
 
 #: Verdicts on printed numbers that are counted separately, because they do not judge a model.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -109,8 +108,8 @@ def printed_entry_json(e: PrintedEntryComparison) -> dict[str, Any]:
         "kind": p.kind,
         "as_printed": e.as_printed,
         "right": e.value,
-        "inferred_reading": e.value_by_inferred_assumption,
-        "follows_from_printed": e.follows_from_printed,
+        "inferred_reading": e.reading,
+        "follows_from_printed": e.follows,
         "reference_3d": e.reference,
         "error_percent": e.error_percent,
         "verdict": e.verdict,
@@ -166,9 +165,10 @@ def list_computations_of_printed_numbers(table: str = "") -> CommandOutput:
     for heading in ("table", "key", "printed", "class", "scenes, or reason for none", "computed by", "test"):
         shown.add_column(heading, overflow="ellipsis" if heading == "printed" else "fold")
     for t in entries:
-        test = t.test.removeprefix("tests/sources/")
-        shown.add_row(t.table, t.key, t.printed, t.cls, ", ".join(t.scenes) or t.no_scene, t.computation, test or "–")
-    return CommandOutput([asdict(trace) for trace in entries], [shown])
+        scenes = ", ".join(t["scenes"]) or t["no_scene"]
+        texts = (t[key] for key in ("table", "key", "printed", "cls"))
+        shown.add_row(*texts, scenes, t["computation"], t["test"].removeprefix("tests/sources/") or "–")
+    return CommandOutput(entries, [shown])
 
 
 @app.command

@@ -14,13 +14,20 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Any
 
-from rollbench.compare.case import Case
+from rollbench.compare.case import CASES, Case
 from rollbench.compare.errors import InputError
-from rollbench.compare.evidence import PrintedEntryComparison, all_computations, join_remarks, publication_title_of
+from rollbench.compare.evidence import (
+    PrintedEntryComparison,
+    all_computations,
+    count_entries_by_verdict,
+    join_remarks,
+    publication_title_of,
+    reproduction_sentence,
+)
 from rollbench.compare.measure import error_percent
 from rollbench.compare.printed import VERDICT_NAMES, load_printed_table, printed_entry
-from rollbench.compare.sections.verdicts import error_for_table_cell
-from rollbench.reports.content import Row, Table, TableColumn
+from rollbench.compare.sections.verdicts import error_for_table_cell, misprints_table
+from rollbench.reports.content import Figure, Row, Section, Table, TableColumn, Text
 
 #: Further cells of table rows, by name of the row's printed number ("table:key").
 More = Mapping[str, Row]
@@ -154,7 +161,7 @@ def printed_and_computed_table_in_layout(
     filled = [[evidence_by_name[name] for name in names if name] for names in columns]
     shown = {
         "right": [any(f.as_printed is not None for f in fs) for fs in filled],
-        "follows": [any(f.follows_from_printed is not None for f in fs) for fs in filled],
+        "follows": [any(f.follows is not None for f in fs) for fs in filled],
     }
     for (label, names), several in zip(layout.rows, across, strict=True):
         row: Row = {"printed_row": label} if has_labels else {}
@@ -167,8 +174,8 @@ def printed_and_computed_table_in_layout(
             if name:
                 f, p = evidence_by_name[name], evidence_by_name[name].printed
                 texts["printed"], texts["ours"] = p.number_as_printed or p.claim, computed_value_text(f)
-                if f.follows_from_printed is not None:
-                    texts["follows"] = format_like_printed_number(f.follows_from_printed, p.number_as_printed)
+                if f.follows is not None:
+                    texts["follows"] = format_like_printed_number(f.follows, p.number_as_printed)
                 if f.as_printed is not None and f.value is not None:
                     texts["right"] = format_like_printed_number(f.value, p.number_as_printed)
                 texts = {key: f"{text} {unit}".rstrip() if text not in ("", "–") else text for key, text in texts.items()}
@@ -268,12 +275,12 @@ def _printed_and_computed_row(layout: PrintedLayout, evidence: PrintedEntryCompa
     text that is shown if there is no value by the 3D reference.
     """
     p, digits = evidence.printed, str(layout.significant_digits)
-    identity = evidence.follows_from_printed is not None
+    identity = evidence.follows is not None
     value, as_printed, solid = evidence.value, evidence.as_printed, _zero_if_round_off(evidence.reference)
-    by_inferred = evidence.value_by_inferred_assumption
+    by_inferred = evidence.reading
     return {
         "printed": f"{p.number_as_printed or p.claim} {p.unit}".rstrip(),
-        "follows": f"{evidence.follows_from_printed:.{digits}g}" if identity else "",
+        "follows": f"{evidence.follows:.{digits}g}" if identity else "",
         ("value_low_order", digits): _zero_if_round_off(value),
         ("value_as_printed", digits): _zero_if_round_off(as_printed),
         ("value_by_inferred", digits): by_inferred,
@@ -453,3 +460,51 @@ def tables_of_printed_numbers(
                 if what == "inputs"
                 else printed_and_computed_table(layout, evidence_by_name, {}, {})
             )
+
+
+def publication_sections(
+    case_name: str,
+    label: str,
+    title: str,
+    about: Sequence[str],
+    chapters: Mapping[str, tuple[str, Sequence[str]]],
+    found: Sequence[PrintedEntryComparison],
+    drawn: Mapping[str, Sequence[Table | Figure]],
+    *others: Section,
+) -> tuple[Section, ...]:
+    """Return the report's sections on a publication: how far it is reproduced, its chapters, its misprints.
+
+    Parameters
+    ----------
+    case_name
+        Name of the publication's case.
+    label
+        Name of the publication in titles, such as "Smith (1994)".
+    title
+        Title of the first section.
+    about
+        Paragraphs of the first section.
+    chapters
+        Title and names of the files of printed numbers, by name of the section.
+    found
+        Printed and computed values of all chapters.
+    drawn
+        Further tables and figures, by name of the section.
+    *others
+        Further sections, before that on misprints.
+    """
+    by_name = {f.printed.name: f for f in found}
+    layouts = read_table_layouts(next(case for case in CASES if case.name == case_name))
+    tables = {name: tables_of_printed_numbers(files, layouts, by_name) for name, (_, files) in chapters.items()}
+    conclusion = reproduction_sentence(count_entries_by_verdict(found)[0])
+    audited = tables_on_computation_of_numbers(name for _, files in chapters.values() for name in files)
+    return (
+        Section(case_name, title, (Text(about, bullets=True),), conclusion=conclusion),
+        *(Section(name, words, (*tables[name], *drawn.get(name, ()))) for name, (words, _) in chapters.items()),
+        *others,
+        Section(
+            f"{case_name}-audit",
+            f"{label}: misprints, and how each of the printed numbers is recomputed",
+            (misprints_table(case_name), *audited),
+        ),
+    )

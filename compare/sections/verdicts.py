@@ -52,10 +52,10 @@ def printed_numbers_table(
     usual = Counter(f.printed.place for f in entries).most_common(1)[0][0]
     rows = [_row_of_printed_number(f, usual, with_place) for f in entries]
     faulty = any(f.as_printed is not None for f in entries)
-    inferred = any(f.value_by_inferred_assumption is not None for f in entries)
+    inferred = any(f.reading is not None for f in entries)
     wanted: dict[ColumnKey, bool] = {
         "place": with_place,
-        "follows_g5": any(f.follows_from_printed is not None for f in entries),
+        "follows_g5": any(f.follows is not None for f in entries),
         ("value_as_printed", "5"): faulty,
         "value_3d": any(f.reference is not None for f in entries),
         ("value_by_inferred", "5"): inferred,
@@ -86,12 +86,12 @@ def _row_of_printed_number(evidence: compare_evidence.PrintedEntryComparison, us
         "class": p.entry_class,
         "unit": p.unit,
         "printed": p.number_as_printed or "–",
-        "follows_g5": evidence.follows_from_printed,
+        "follows_g5": evidence.follows,
         ("value_as_printed", "5"): evidence.as_printed,
         "value_correct": 0.0 if zero else evidence.value,
         "value_3d": evidence.reference,
         "error_against_printed": error_for_table_cell(evidence.error_percent),
-        ("value_by_inferred", "5"): evidence.value_by_inferred_assumption,
+        ("value_by_inferred", "5"): evidence.reading,
         "reading_error": error_for_table_cell(evidence.reading_error_percent),
         "remark": compare_evidence.join_remarks(
             evidence.remark, p.remark, p.origin_of_limits and f"Tolerance band: {p.origin_of_limits}"

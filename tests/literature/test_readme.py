@@ -68,15 +68,14 @@ def test_shown_output_is_what_is_printed(tmp_path: Path, monkeypatch, command) -
 
 @of_report
 def test_report_s_tables_are_what_the_models_give_now() -> None:
-    from rollbench.compare.cases.lin.evidence.chapter_2 import solve_case_1_by_model_choice
-    from rollbench.compare.cases.lin.pages.chapter_2 import model_choice_rows
+    from rollbench.compare.cases.lin.evidence.chapter_2 import model_choice_rows
     from rollbench.compare.models.comparison import REFERENCED
     from rollbench.compare.models.study import SceneResultCache
     from rollbench.compare.sections.reference import load_error_table
     from rollbench.reports.content import Table
 
     study = SceneResultCache()
-    computed = Table.from_rows("cases-choices", "", model_choice_rows(solve_case_1_by_model_choice(study)))
+    computed = Table.from_rows("cases-choices", "", model_choice_rows(study))
     for row, old in zip(computed.rows, stored("cases-choices"), strict=True):
         before = float(old["largest contact load [N]"])
         assert abs(float(row["largest_load"]) - before) < 1e-6 * before

@@ -37,7 +37,7 @@ def wrong(e):
     off = e.compared_value + math.copysign(step, e.compared_value - p.value)
     others = [off] if p.entry_class != "band" else [p.low - step, p.high + step]
     compared = "as_printed" if p.entry_class == "as-printed" else "value"
-    return [replace(e, **{"follows_from_printed" if p.kind == "arithmetic" else compared: other}) for other in others]
+    return [replace(e, **{"follows" if p.kind == "arithmetic" else compared: other}) for other in others]
 
 
 @pytest.mark.parametrize("source", ["external", "kalker", "lin", "liu", "smith"])
@@ -87,7 +87,7 @@ def test_no_value_of_a_model_changes_with_a_printed_result(name, monkeypatch):
     after = {e.printed.name: e for e in computations_with_function()[name].compute(SceneResultCache())}
     changed = {key for key, e in before.items() if (e.value, e.reference) != (after[key].value, after[key].reference)}
     assert changed <= ITSELF
-    assert all(e.verdict != "reproduced" for e in before.values() if e.follows_from_printed is not None)
+    assert all(e.verdict != "reproduced" for e in before.values() if e.follows is not None)
 
 
 def test_smith_s_units_of_force_length_and_stiffness_are_readable():

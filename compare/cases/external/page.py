@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -26,12 +26,7 @@ from rollbench.compare.models.modelling import UNSEEN
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_entry
-from rollbench.compare.reference.estimate import (
-    Reference,
-    load_error_near_faces,
-    mesh_uncertainty,
-    read_uncertainty_of_other_scenes,
-)
+from rollbench.compare.reference.estimate import load_error_near_faces, mesh_uncertainty, read_uncertainty_of_other_scenes
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.template import RIM, THICK
 from rollbench.compare.sections.verdicts import printed_numbers_table
@@ -43,31 +38,36 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Flange, NutHeld, Scene
 from rollbench.reports.content import Cell, Figure, Panel, Row, Section, Series, Table, Text
 
-#: Titles of the tables, by name of the printed table.
-TITLES = {
-    "external-masta": "Deep-groove ball bearing: displacement and life, computed, and by the program MASTA",
-    "external-nsk": "Contact of one ball of a screw-support bearing: computed, and by NSK's programs",
-    "external-harris": "Textbooks' 218 angular-contact bearing under thrust: published and computed",
-    "external-sjovall": "Bearing with a load zone of half the circumference: load distribution, computed, and by Sjövall",
-    "external-contact": "Rolling contact with creepage and spin: computed values and those of the program CONTACT",
-    "external-vm63": "Elastic sphere on a rigid plane (Ansys's verification case 63): published and computed radius",
-    "external-snfa": "Preloaded bearing pair of SNFA's catalogue: printed and computed rigidity and lift-off load",
-    "external-gmn": "Preloaded bearing pairs from GMN's catalogue: printed and computed stiffness",
-    "external-thk": "Ball nuts of THK and HIWIN: printed and computed rigidity and drag torque",
-    "external-equivalent": "Equivalent loads of preloaded nuts and of bearings: published and computed",
-}
-#: Names of the publishers in the figure, by name of the printed table.
-SOURCES = {
-    "external-masta": "MASTA",
-    "external-nsk": "NSK's programs",
-    "external-harris": "textbooks, 218 bearing",
-    "external-sjovall": "Sjövall, load zone",
-    "external-contact": "CONTACT",
-    "external-vm63": "Ansys, case 63",
-    "external-snfa": "SNFA",
-    "external-gmn": "GMN",
-    "external-thk": "THK and HIWIN",
-    "external-equivalent": "makers, equivalent loads",
+#: Printed tables: name of the publisher in the figure, title of the table.
+TABLES = {
+    "external-masta": ("MASTA", "Deep-groove ball bearing: displacement and life, computed, and by the program MASTA"),
+    "external-nsk": ("NSK's programs", "Contact of one ball of a screw-support bearing: computed, and by NSK's programs"),
+    "external-harris": (
+        "textbooks, 218 bearing",
+        "Textbooks' 218 angular-contact bearing under thrust: published and computed",
+    ),
+    "external-sjovall": (
+        "Sjövall, load zone",
+        "Bearing with a load zone of half the circumference: load distribution, computed, and by Sjövall",
+    ),
+    "external-contact": (
+        "CONTACT",
+        "Rolling contact with creepage and spin: computed values and those of the program CONTACT",
+    ),
+    "external-vm63": (
+        "Ansys, case 63",
+        "Elastic sphere on a rigid plane (Ansys's verification case 63): published and computed radius",
+    ),
+    "external-snfa": (
+        "SNFA",
+        "Preloaded bearing pair of SNFA's catalogue: printed and computed rigidity and lift-off load",
+    ),
+    "external-gmn": ("GMN", "Preloaded bearing pairs from GMN's catalogue: printed and computed stiffness"),
+    "external-thk": ("THK and HIWIN", "Ball nuts of THK and HIWIN: printed and computed rigidity and drag torque"),
+    "external-equivalent": (
+        "makers, equivalent loads",
+        "Equivalent loads of preloaded nuts and of bearings: published and computed",
+    ),
 }
 
 #: Axial displacement without loads, divided by the displacement with loads, up to which it is neglected. Scenes with a
@@ -117,7 +117,7 @@ def agreement_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
     errors: dict[str, list[float]] = {}
     for e in found:
         if e.printed.entry_class in ("hard", "band") and e.error_percent is not None:
-            errors.setdefault(SOURCES[e.printed.table], []).append(e.error_percent)
+            errors.setdefault(TABLES[e.printed.table][0], []).append(e.error_percent)
     points = [(float(k), error) for k, percents in enumerate(errors.values(), start=1) for error in percents]
     series = (Series("error", [x for x, _ in points], [y for _, y in points], "markers"),)
     title = "error of the computed value against the published one"
@@ -160,15 +160,6 @@ def computed_and_printed_nut_rigidities(cache: SceneResultCache) -> list[tuple[s
 # --- three rigidities of a nut as ISO 3408-4 separates them, compared with the 3D reference and catalogues
 
 
-def screw_displacement_at_nut_in_3d(scene: Scene, found: Reference) -> float:
-    """Return the screw's axial displacement [m] at the nut's centre by the 3D reference on its finest mesh.
-
-    ``scene``: screw and nut; ``found``: stored 3D reference of the scene.
-    """
-    line = found.best.centreline
-    return float(np.interp(scene.nut.position, line[:, 0], line[:, 3]))
-
-
 def nut_rigidity_row(cache: SceneResultCache, name: str) -> dict[str, Cell] | None:
     """Return the table row of a nut's rigidities [N/um]: with more and more effects in the model, and by the 3D reference.
 
@@ -190,13 +181,14 @@ def nut_rigidity_row(cache: SceneResultCache, name: str) -> dict[str, Cell] | No
         return None
     if stages is None or stages.with_bodies is None or stages.with_unequal_loads is None:
         return None
+    line = found.best.centreline
     return {
         "scene": name,
         "axial_load_kN": 1e-3 * abs(force),
         "rigidity_of_contacts": 1e-6 * stages.contacts_only,
         "rigidity_of_bodies": 1e-6 * stages.with_bodies,
         "rigidity_of_unequal_loads": 1e-6 * stages.with_unequal_loads,
-        "rigidity_reference": 1e-6 * force / screw_displacement_at_nut_in_3d(scene, found),
+        "rigidity_reference": 1e-6 * force / float(np.interp(scene.nut.position, line[:, 0], line[:, 3])),
     }
 
 
@@ -254,7 +246,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     items: tuple[Text | Figure | Table, ...] = (
         Text(text),
         agreement_figure(found),
-        *(printed_numbers_table(name, TITLES[name], [e for e in found if e.printed.table == name]) for name in tables),
+        *(printed_numbers_table(name, TABLES[name][1], [e for e in found if e.printed.table == name]) for name in tables),
         rigid,
         assumptions_table(cache),
     )
@@ -321,21 +313,6 @@ def loads_of_stored_result(result: dict[str, Any]) -> Array:
     return np.stack([by_side.get(side, np.zeros(len(next(iter(by_side.values()))))) for side in SIDES], axis=1)
 
 
-class FixationResult(NamedTuple):
-    """Contact loads and axial rigidity of a screw by one model, for one surface at which the nut is fixed."""
-
-    #: Name of the model, or of the 3D reference with its mesh level.
-    computed_by: str
-    #: Name of the surface at which the nut is fixed, such as "left face"; keys of `scenes_by_nut_fixation`.
-    fixation: str
-    #: Contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR.
-    contact_loads: Array
-    #: Axial rigidity [N/m]: axial load divided by the axial displacement of the screw at the nut's centre.
-    axial_rigidity: float
-    #: Largest uncertainty of any contact load due to the mesh [% of the mean load]; None for models without a mesh.
-    mesh_uncertainty_percent: float | None = None
-
-
 def fixation_results_by_level(scene: str, fixation: str) -> dict[int, dict[str, Any]]:
     """Return the converged stored 3D results of a scene with one fixation of its nut, by mesh level from coarse to fine.
 
@@ -378,16 +355,16 @@ def fixation_table_rows(cache: SceneResultCache, size: str) -> list[dict[str, Ce
     found = {way: cache.solve_once(scene, DEFAULT) for way, scene in held.items() if way != BOLTED}
     in_3D = {way: fixation_results_by_level(name, way) for way in held}
     loads = {way: {k: loads_of_stored_result(x) for k, x in levels.items()} for way, levels in in_3D.items()}
-    solved = [
-        FixationResult(DEFAULT, way, result.load, axial_force(result) / float(motion_at(result, held[way].nut.position)[2]))
-        for way, result in found.items()
-        if result.converged
+    solved: list[tuple[str, str, Array, float, float | None]] = [
+        (DEFAULT, way, x.load, axial_force(x) / float(motion_at(x, held[way].nut.position)[2]), None)
+        for way, x in found.items()
+        if x.converged
     ]
     for level in loads[next(iter(held))]:
         for way in (x for x in held if level in loads[x]):
             bar = largest_mesh_uncertainty_percent(held[way], {k: load for k, load in loads[way].items() if k <= level})
             rigidity = in_3D[way][level]["rigidity"]
-            solved.append(FixationResult(f"{THREE}, level {level}", way, loads[way][level], rigidity, bar))
+            solved.append((f"{THREE}, level {level}", way, loads[way][level], rigidity, bar))
     rows: list[dict[str, Cell]] = []
     first: dict[str, tuple[float, ...]] = {}
     for by, way, load, rigidity, mesh in solved:

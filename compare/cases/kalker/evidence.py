@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -210,9 +211,26 @@ def _verify_contact_at_rest() -> Iterator[Verification]:
     solve = verification.solve_normal_contact_by_rolling_model
     found = [_approach_semi_axes_and_peak(solve(at, load, *material, shape, Sizes())) for shape in LEVELS.values()]
     words = "contact at rest, against the static 3D reference"
-    for k, (name, reach) in enumerate(zip(AT_REST, STATIC_REACH, strict=True)):
-        values = tuple(one[k] for one in found)
-        yield Verification(words, name, values, exact[k], reach, grid_refinement=FINER)
+    yield from _verify_each(words, AT_REST, found, exact, STATIC_REACH, grid_refinement=FINER)
+
+
+def _verify_each(
+    problem: str,
+    names: Sequence[str],
+    found: Sequence[Any],
+    exact: Any,
+    permitted_percent: float | Sequence[float],
+    **others: Any,
+) -> Iterator[Verification]:
+    """Yield the verification of each quantity of a contact problem.
+
+    ``names``: the k quantities; ``found``: k values or more on each of three grids, of which the first k are theirs;
+    ``exact``: exact values, likewise; ``permitted_percent``: permitted error [%], for all or each of them; ``others``:
+    further fields of `Verification`.
+    """
+    reaches = np.broadcast_to(permitted_percent, len(names))
+    for name, values, known, reach in zip(names, zip(*found, strict=True), exact, reaches, strict=False):
+        yield Verification(problem, name, tuple(map(float, values)), float(known), float(reach), **others)
 
 
 def _approach_semi_axes_and_peak(contact: verification.NormalContact) -> tuple[float, ...]:
@@ -229,11 +247,10 @@ def _verify_finite_elements() -> Iterator[Verification]:
     at = ContactGeometry(radii[0], radii, 0.25 * np.pi, None)
     zones = (at.contact_zone(load, young, poisson, replace(Sizes(), cells=(n, n))) for n in (2, 3, 4))
     found = [verification.compare_half_space_displacements(zone, at.ball_radius, young, poisson) for zone in zones]
-    for k, name in enumerate(("longitudinal", "lateral", "normal")):
-        values = tuple(1e9 * float(f[0][k]) for f in found)
-        exact, quantity = 1e9 * float(found[-1][1][k]), f"{name} displacement by a force [nm/N]"
-        words = "half space of finite elements, uniform traction"
-        yield Verification(words, quantity, values, exact, ELEMENTS_REACH)
+    names = [f"{name} displacement by a force [nm/N]" for name in ("longitudinal", "lateral", "normal")]
+    in_nm = [1e9 * np.asarray(f[0]) for f in found]
+    words = "half space of finite elements, uniform traction"
+    yield from _verify_each(words, names, in_nm, 1e9 * np.asarray(found[-1][1]), ELEMENTS_REACH)
 
 
 def _verify_ball_to_ball_friction() -> Iterator[Verification]:
@@ -243,23 +260,20 @@ def _verify_ball_to_ball_friction() -> Iterator[Verification]:
     found = solve_rolling(scene, choices)
     for where, bodies, grids in (("Hertz's circle", None, (20, 30, 40)), ("the balls' own patch", Sizes(), (8, 12, 16))):
         shares = [verification.compare_ball_friction_with_point(scene, found, 0, points, bodies) for points in grids]
-        for k, name in enumerate(("force over that of point contact", "loss over that of point contact")):
-            values = tuple(s[k] for s in shares)
-            yield Verification(f"balls that touch, friction over {where}", name, values, 1.0, RUB_REACH)
+        names = ("force over that of point contact", "loss over that of point contact")
+        yield from _verify_each(f"balls that touch, friction over {where}", names, shares, (1.0, 1.0), RUB_REACH)
 
 
 def _verify_carter() -> Iterator[Verification]:
     """Verify tangential force and half width of the stick zone against Carter's solution."""
+    names = ("force over mu P", "half width of the stick zone over a")
     for share in (0.1, 0.25, 0.5, 0.75, 0.9):
         found = [verification.compare_with_carter(n, share) for n in (41, 61, 82)]
-        for k, name in enumerate(("force over mu P", "half width of the stick zone over a")):
-            values = tuple(float(f[0][k]) for f in found)
-            yield Verification(f"Carter, Q = {share:g} mu P", name, values, float(found[-1][1][k]), REACH[0])
+        yield from _verify_each(f"Carter, Q = {share:g} mu P", names, [f[0] for f in found], found[-1][1], REACH[0])
     found = [verification.compare_with_carter(n, NARROW) for n in (40, 80, 160)]
-    for k, name in enumerate(("force over mu P", "half width of the stick zone over a")):
-        values, exact = tuple(float(f[0][k]) for f in found), float(found[-1][1][k])
-        name += " (stick zone of a few cells)"
-        yield Verification(f"Carter, Q = {NARROW:g} mu P", name, values, exact, NARROW_REACH, grid_refinement=None)
+    names = (f"{names[0]} (stick zone of a few cells)", f"{names[1]} (stick zone of a few cells)")
+    words = f"Carter, Q = {NARROW:g} mu P"
+    yield from _verify_each(words, names, [f[0] for f in found], found[-1][1], NARROW_REACH, grid_refinement=None)
 
 
 def _verify_cattaneo_mindlin() -> Iterator[Verification]:
@@ -267,9 +281,8 @@ def _verify_cattaneo_mindlin() -> Iterator[Verification]:
     for balls, what in ((None, "Cattaneo-Mindlin"), (Sizes(), "Cattaneo-Mindlin on two finite balls")):
         for share in (0.25, 0.5, 0.75):
             found = [verification.compare_with_mindlin(n, share, finite_balls=balls) for n in (14, 20, 28)]
-            for k, name in enumerate(("force over mu P", "stick radius over a")):
-                values = tuple(float(f[0][k]) for f in found)
-                yield Verification(f"{what}, Q = {share:g} mu P", name, values, float(found[-1][1][k]), REACH[1])
+            names, values = ("force over mu P", "stick radius over a"), [f[0] for f in found]
+            yield from _verify_each(f"{what}, Q = {share:g} mu P", names, values, found[-1][1], REACH[1])
 
 
 def _verify_full_slip() -> Iterator[Verification]:
@@ -296,8 +309,7 @@ def _verify_full_slip() -> Iterator[Verification]:
             ways[RESOLVED] = [_force_and_moment(*friction) for friction in resolved]
         for way, found in ways.items():
             reach = ALONE if way == BY_GRID and "inside" in where else REACH[2]
-            for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
-                yield Verification(f"full slip {way}, {where}", name, values, known, reach)
+            yield from _verify_each(f"full slip {way}, {where}", WRENCH, found, exact, reach)
         limits = [by_quadrature(creep, n) for n in QUADRATURES]
         grids = (solve_elastic_contact_on_grid(*GROOVE, shape) for shape in LEVELS.values())
         found = [_grid_corrected_force_and_moment(patch, creep, limits) for patch in grids]

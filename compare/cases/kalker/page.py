@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
@@ -42,8 +41,8 @@ from rollbench.compare.studies.rolling.runs import (
     find_body_variants,
     load_rolling_run,
 )
-from rollbench.hifi.rolling.balls import ContactFriction, RollingSettings, hertz_semi_axes, solve_rolling
-from rollbench.hifi.rolling.kinematics import RollingBalls, rolling_speed
+from rollbench.hifi.rolling.balls import RollingSettings, hertz_semi_axes, solve_rolling
+from rollbench.hifi.rolling.kinematics import rolling_speed
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Figure, Panel, PressureMap, PressurePanel, Row, Section, Table, Text
 from rollbench.reports.content import Series as Curve
@@ -61,57 +60,51 @@ SHOWN = (("lin-pair-a", 0, "BL"), ("lin-pair-a", 0, "TR"), ("lin-rotary-1", 0, "
 SHAPE = LEVELS[1]
 
 
-@dataclass(frozen=True)
-class SlipAndTractionField:
-    """Slip, traction and stick zone over the n cells of one rolling contact."""
-
-    #: Title of the drawing: name of the scene, then of the ball's contact.
-    title: str
-    #: Centres of the cells: coordinates across and along the groove, (n, 2) [m].
-    cell_centres: Array
-    #: Slip velocity divided by the rolling speed: components across and along the groove, (n, 2).
-    relative_slip_velocity: Array
-    #: Tangential traction: components across and along the groove, (n, 2) [Pa].
-    tangential_traction: Array
-    #: For each cell, whether the surfaces stick there, (n,).
-    sticks: NDArray[np.bool_]
-    #: Semi-axes of the contact ellipse across and along the groove [m].
-    semi_axes: tuple[float, float]
-
-
 @lru_cache(maxsize=1)
-def slip_and_traction_of_drawn_contacts() -> tuple[SlipAndTractionField, ...]:
-    """Compute slip and traction over the rolling contacts that the report draws (`SHOWN`), for elastic half spaces."""
+def slip_and_traction_of_drawn_contacts() -> tuple[tuple[PressurePanel, PressurePanel], ...]:
+    """Draw slip and traction over the rolling contacts that the report shows (`SHOWN`), for elastic half spaces."""
     choices, out = RollingSettings(SHAPE), []
     for name in dict.fromkeys(shown[0] for shown in SHOWN):
         scene = shipped_case(name, FrictionScene)
         case = prepare_rolling_case(scene, choices)
         found = solve_rolling(case.touching, choices)
         for _, ball, contact in (s for s in SHOWN if s[0] == name):
-            touch = case.contact_names.index(contact)
-            one = next(c for c in found.contacts if (c.ball_index, c.contact_index) == (ball, touch))
-            out.append(_slip_and_traction_of_contact(f"{name}, {contact}", case.touching, one))
+            index = case.contact_names.index(contact)
+            one = next(c for c in found.contacts if (c.ball_index, c.contact_index) == (ball, index))
+            touch = case.touching.balls[ball].groove_contacts[index]
+            slip = one.slips / rolling_speed(touch, case.touching)
+            traction = one.tangential_forces / float(one.cell_size.prod())
+            axes = hertz_semi_axes(case.touching, touch)
+            out.append(slip_and_traction_panels(f"{name}, {contact}", one.cell_centres, slip, traction, one.sticks, axes))
     return tuple(out)
 
 
-def _slip_and_traction_of_contact(title: str, scene: RollingBalls, contact: ContactFriction) -> SlipAndTractionField:
-    """Convert a solved contact to slip and traction for drawing: first component across the groove, second along it.
+def slip_and_traction_panels(
+    title: str, cells: Array, slip: Array, traction: Array, sticks: NDArray[np.bool_], semi_axes: Sequence[float]
+) -> tuple[PressurePanel, PressurePanel]:
+    """Draw slip velocity, then tangential traction over the n cells of one rolling contact, with arrows for the directions.
 
-    Slip is divided by the rolling speed. ``title``: title of the drawing; ``scene``: rolling balls with their contacts;
-    ``contact``: solved contact of a ball.
+    Abscissa: across the groove. Sticking cells are marked beside the traction. ``title``: name of the scene, then of the
+    ball's contact; ``cells``: centres of the cells [m]; ``slip``: slip velocity divided by the rolling speed; ``traction``:
+    [Pa]; each (n, 2) along and across the groove. ``sticks``: whether the surfaces stick in each cell, (n,);
+    ``semi_axes``: of the contact ellipse along and across the groove [m].
     """
-    touch = scene.balls[contact.ball_index].groove_contacts[contact.contact_index]
-    speed = rolling_speed(touch, scene)
-    along, across = hertz_semi_axes(scene, touch)
-    area = float(contact.cell_size.prod())
-    turned = [1, 0]
-    return SlipAndTractionField(
-        title,
-        contact.cell_centres[:, turned],
-        contact.slips[:, turned] / speed,
-        contact.tangential_forces[:, turned] / area,
-        contact.sticks,
-        (across, along),
+
+    def draw_vector_field(vectors: Array, unit_of: float, note: str, marked: list[bool] | None) -> PressurePanel:
+        """Draw magnitude, divided by ``unit_of``, and direction of vectors (n, 2), with a text below."""
+        size = np.linalg.norm(vectors, axis=1)
+        has_direction = size > 1e-9 * size.max(initial=0.0)  # else it is that of round-off
+        unit = np.where(has_direction[:, None], vectors / np.maximum(size, 1e-300)[:, None], 0.0)
+        y, x = (1e6 * cells).T
+        ellipse = (0.0, 0.0, 1e6 * semi_axes[1], 1e6 * semi_axes[0])
+        arrows = (unit[:, 1].tolist(), unit[:, 0].tolist())
+        return PressurePanel(title, x, y, size / unit_of, ellipse, note, arrows, marked)
+
+    most = float(np.linalg.norm(slip, axis=1).max())
+    words = f"{int(sticks.sum())} of {len(sticks)} cells stick"
+    return (
+        draw_vector_field(slip, most, f"largest: {100.0 * most:.3g} % of the rolling speed", None),
+        draw_vector_field(traction, 1e6, words, sticks.tolist() if sticks.any() else None),
     )
 
 
@@ -265,37 +258,13 @@ def _finite_body_row(row: RollingComparisonRow) -> Row:
     }
 
 
-def _slip_and_traction_maps(patches: Sequence[SlipAndTractionField]) -> list[Text | Table | Figure | PressureMap]:
+def _slip_and_traction_maps(patches: Sequence[tuple[PressurePanel, PressurePanel]]) -> list[PressureMap]:
     """Return two figures of rolling contacts: slip velocity, and tangential traction with the sticking cells marked.
 
-    ``patches``: slip and traction over the cells of each contact.
+    ``patches``: drawings of slip and traction of each contact.
     """
-
-    def draw_vector_field(
-        p: SlipAndTractionField, what: NDArray[np.float64], unit_of: float, note: str, *, marked: bool
-    ) -> PressurePanel:
-        """Draw the magnitude of a vector field over the cells of one contact, and its direction by arrows.
-
-        ``p``: the contact; ``what``: vectors (n, 2) on its n cells; ``unit_of``: value by which magnitudes are divided;
-        ``note``: text below the drawing; ``marked``: whether sticking cells are marked.
-        """
-        size = np.linalg.norm(what, axis=1)
-        has_direction = size > 1e-9 * size.max(initial=0.0)  # else it is that of round-off
-        unit = np.where(has_direction[:, None], what / np.maximum(size, 1e-300)[:, None], 0.0)
-        x, y = (1e6 * p.cell_centres).T
-        ellipse = (0.0, 0.0, 1e6 * p.semi_axes[0], 1e6 * p.semi_axes[1])
-        arrows = (unit[:, 0].tolist(), unit[:, 1].tolist())
-        stick = p.sticks.tolist() if marked and p.sticks.any() else None
-        return PressurePanel(p.title, x, y, size / unit_of, ellipse, note, arrows, 5, stick)
-
     axes = ("across the groove [um]", "along [um]")
-    slip, traction = [], []
-    for p in patches:
-        most = float(np.linalg.norm(p.relative_slip_velocity, axis=1).max())
-        words = f"largest: {100.0 * most:.3g} % of the rolling speed"
-        slip.append(draw_vector_field(p, p.relative_slip_velocity, most, words, marked=False))
-        words = f"{int(p.sticks.sum())} of {len(p.sticks)} cells stick"
-        traction.append(draw_vector_field(p, p.tangential_traction, 1e6, words, marked=True))
+    slip, traction = zip(*patches, strict=True)
     return [
         PressureMap(
             "rolling-slip",

@@ -25,10 +25,11 @@ from rollbench.compare.cases.lin.evidence.source_cases import (
     screw_groove,
 )
 from rollbench.compare.files import read_shipped_toml
-from rollbench.lowfi.friction.bearing import Bearing, solve_ball_of_bearing, solve_bearing
+from rollbench.lowfi.friction.bearing import solve_ball_of_bearing, solve_bearing
 from rollbench.lowfi.friction.contact.equilibrium import BodyMotionProblem, least_dissipation, least_dissipations
 from rollbench.lowfi.friction.linear import chain as linear_chain
-from rollbench.lowfi.friction.linear.bearing import LinearBearing, contact_angle_deviations, loads_in_equilibrium
+from rollbench.lowfi.friction.linear.bearing import contact_angle_deviations, loads_in_equilibrium
+from rollbench.lowfi.friction.linear.chain import LinearBallChain
 from rollbench.lowfi.friction.screw.chain import ChainMotion, ScrewBallChain, screw_ball_chain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw
 from rollbench.lowfi.friction.screw.run import Pair, solve_pair_of_screw_balls
@@ -141,15 +142,6 @@ class ExtremeGroup:
         return "; ".join(remarks)
 
 
-def rotary_ball_problem(bearing: Bearing, axial: float, u_y: float) -> BodyMotionProblem:
-    """Return the motion problem of one ball of the rotary bearing of section 3.2 of Lin's thesis.
-
-    ``bearing``: grooves, balls and friction; ``axial``: axial load on the inner ring [N]; ``u_y``: radial displacement of
-    the inner ring [m].
-    """
-    return solve_ball_of_bearing(bearing, axial, u_y).problem
-
-
 def screw_ball_problem(pair: Pair, force: Array | None = None) -> BodyMotionProblem:
     """Return the problem of finding how one ball of a ball screw slides and spins, given the loads of its contacts.
 
@@ -175,9 +167,8 @@ def solve_ball_group(
     ``group``: name of the inputs that are varied; ``model``: name of the model; ``balls``: motion problems; ``note``:
     remark for the table; ``start_distance``: largest relative distance of the random starts from the solution.
     """
-    rng, tally = np.random.default_rng(1), ExtremeGroup(group, model, note)
+    rng, tally = np.random.default_rng(1), ExtremeGroup(group, model, note, len(balls))
     for ball in balls:
-        tally.cases += 1
         first = least_dissipation(ball)
         motion = first.unknown_velocities
         size = float(np.max(np.abs(motion))) or 1.0
@@ -198,21 +189,22 @@ def solve_all_single_ball_groups() -> list[ExtremeGroup]:
     """
     two, cases = radians(2.0), CASES.values()
     oversized, printed = oversized_pair(two), pair_as_printed(two)
-    as_printed = [rotary_ball_problem(replace(ROTARY, hertz="as printed"), AXIAL, u) for u in cases]
+
+    def rotary(axial: float = AXIAL, u_y: float = 0.0, **changes: Any) -> BodyMotionProblem:
+        """Return the motion problem of the rotary bearing's ball, with changed fields of the bearing."""
+        return solve_ball_of_bearing(replace(ROTARY, **changes), axial, u_y).problem
+
+    def screw(pair: Pair, **changes: Any) -> BodyMotionProblem:
+        """Return the motion problem of a ball of the pair ``pair``, with changed fields of the pair."""
+        return screw_ball_problem(replace(pair, **changes))
+
+    as_printed = [rotary(u_y=u, hertz="as printed") for u in cases]
     of_table = [screw_ball_problem(pair) for pair in (printed, oversized)]
     rows = []
     for off in (NEAR_START, FAR_START):
         kinds = ("rotary, cases I to III as printed", as_printed), ("screw, pair of Table 3.7", of_table)
         found = [solve_ball_group("", model, balls, f"starts within {off:.0%}", off) for model, balls in kinds]
         rows += [replace(tally, group=f"k_S {k:g}") for k in SHARPNESSES for tally in found]
-
-    def rotary(axial: float = AXIAL, u_y: float = 0.0, **changes: Any) -> BodyMotionProblem:
-        """Return the motion problem of the rotary bearing's ball, with changed fields of the bearing."""
-        return rotary_ball_problem(replace(ROTARY, **changes), axial, u_y)
-
-    def screw(pair: Pair, **changes: Any) -> BodyMotionProblem:
-        """Return the motion problem of a ball of the pair ``pair``, with changed fields of the pair."""
-        return screw_ball_problem(replace(pair, **changes))
 
     # contact loads SL, SR, NL, NR [N] of a screw's ball, whose second diagonal (SR and NL) is loaded less and less
     diagonals = [100.0 * np.array([1.0, 10.0**-k, 10.0**-k, 1.0]) for k in range(13)]
@@ -242,26 +234,9 @@ def solve_all_single_ball_groups() -> list[ExtremeGroup]:
 # --- extreme cases of two and more neighbouring balls in a linear bearing and a ball screw, and of a bearing with clearance
 
 
-@dataclass(frozen=True)
-class LinearBearingBalls:
-    """Neighbouring balls of a linear bearing that may touch each other.
-
-    ``bearing``: grooves, balls and friction; ``contact_angles``, ``loads``: contact angles [rad] and contact loads [N],
-    each (N, 4) for the four contacts of N balls.
-    """
-
-    bearing: LinearBearing
-    contact_angles: Array
-    loads: Array
-
-    def to_linear_chain(self) -> linear_chain.LinearBallChain:
-        """Convert the balls to the input of the solver for neighbouring balls in a linear bearing."""
-        return linear_chain.prepare_linear_chain(self.bearing, self.contact_angles, self.loads)
-
-
 def solve_linear_group(
     group: str,
-    cases: Sequence[LinearBearingBalls],
+    cases: Sequence[LinearBallChain],
     model: str = "linear pair",
     random_starts: int = CHAIN_STARTS,
     note: str = "",
@@ -271,10 +246,8 @@ def solve_linear_group(
     ``group``: name of the inputs that are varied; ``cases``: rows of balls; ``model``: name of the model;
     ``random_starts``: number of random starts in addition to the solver's default start; ``note``: remark for the table.
     """
-    rng, tally = np.random.default_rng(2), ExtremeGroup(group, model, note)
-    for case in cases:
-        tally.cases += 1
-        c = case.to_linear_chain()
+    rng, tally = np.random.default_rng(2), ExtremeGroup(group, model, note, len(cases))
+    for c in cases:
         first = solve_motion_of_chain(c).ball_force
         for k in range(random_starts + 1):
             q = c.groove.nominal_motion * rng.uniform(-3.0, 3.0, (len(c.force), 4)) if k else None
@@ -287,7 +260,7 @@ def solve_linear_group(
 
 def linear_pair(
     theta: float, rho: float, vertical: float = VERTICAL, mu: float = LINEAR.mu, speed: float = LINEAR.speed
-) -> LinearBearingBalls:
+) -> LinearBallChain:
     """Return two neighbouring balls of the linear bearing of section 3.3 of Lin's thesis, with their contact loads.
 
     ``theta``: deviation of the contact angle from nominal [deg]; ``rho``: side force divided by vertical load;
@@ -296,30 +269,24 @@ def linear_pair(
     """
     bearing = replace(LINEAR, mu=mu, mu_balls=mu, speed=speed)
     angles, loads = linear_chain.pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic")
-    return LinearBearingBalls(bearing, angles, loads)
+    return linear_chain.prepare_linear_chain(bearing, angles, loads)
 
 
-def random_linear_balls(count: int, mu: float = LINEAR.mu) -> LinearBearingBalls:
+def random_linear_balls(count: int, mu: float = LINEAR.mu, *, unloaded: bool = False) -> LinearBallChain:
     """Return neighbouring balls of the linear bearing of Lin's section 3.3 with random contact angles and loads.
 
     The loads balance the vertical load and a random side force of each ball. ``count``: number of balls, also the seed of
-    the random numbers; ``mu``: friction coefficient of grooves and of touching balls.
+    the random numbers; ``mu``: friction coefficient of grooves and of touching balls; ``unloaded``: whether about a quarter
+    of the contact loads are zero, and those of a ball are not in equilibrium.
     """
     rng = np.random.default_rng(count)
     angles = LINEAR.contact_angle + contact_angle_deviations(np.radians(rng.uniform(-3.0, 3.0, count)))
     loads = loads_in_equilibrium(angles, VERTICAL, rng.uniform(-0.6, 0.6, count))
-    return LinearBearingBalls(replace(LINEAR, mu=mu, mu_balls=mu), angles, loads)
-
-
-def random_balls_with_unloaded_contacts(count: int, mu: float) -> LinearBearingBalls:
-    """Return neighbouring balls of the linear bearing with random contact loads, about a quarter of which are zero.
-
-    The contact loads of a ball are not in equilibrium. ``count``: number of balls; ``mu``: friction coefficient of
-    grooves and of touching balls.
-    """
-    case, rng = random_linear_balls(count, mu), np.random.default_rng(1000 + count)
-    loads = case.loads * rng.uniform(0.2, 1.8, case.loads.shape)
-    return replace(case, loads=np.where(rng.uniform(size=loads.shape) < UNLOADED, 0.0, loads))
+    if unloaded:
+        rng = np.random.default_rng(1000 + count)
+        loads = loads * rng.uniform(0.2, 1.8, loads.shape)
+        loads = np.where(rng.uniform(size=loads.shape) < UNLOADED, 0.0, loads)
+    return linear_chain.prepare_linear_chain(replace(LINEAR, mu=mu, mu_balls=mu), angles, loads)
 
 
 def solve_pair_group(group: str, pairs: Sequence[Pair], note: str = "") -> ExtremeGroup:
@@ -328,9 +295,8 @@ def solve_pair_group(group: str, pairs: Sequence[Pair], note: str = "") -> Extre
     Contact loads and motions are solved. ``group``: name of the inputs that are varied; ``pairs``: the cases; ``note``:
     remark for the table.
     """
-    rng, tally = np.random.default_rng(3), ExtremeGroup(group, "screw pair", note)
+    rng, tally = np.random.default_rng(3), ExtremeGroup(group, "screw pair", note, len(pairs))
     for p in pairs:
-        tally.cases += 1
         r = solve_pair_of_screw_balls(p)
         m = r.touching.motion
         tally.count_own_solution(r.converged, m.input_power, m.loss, 0.0)
@@ -378,9 +344,9 @@ def solve_screw_chain_group() -> ExtremeGroup:
 
     The rows have the numbers of balls in `BALLS`.
     """
-    rng, tally = np.random.default_rng(4), ExtremeGroup("chains", f"screw, {', '.join(map(str, BALLS))} balls")
+    rng = np.random.default_rng(4)
+    tally = ExtremeGroup("chains", f"screw, {', '.join(map(str, BALLS))} balls", cases=len(BALLS))
     for count in BALLS:
-        tally.cases += 1
         chain = random_screw_balls(count)
         m = solve_motion_of_chain(chain)
         tally.count_own_solution(m.converged, m.input_power, m.loss, 0.0)
@@ -394,9 +360,8 @@ def solve_bearing_clearance_group() -> ExtremeGroup:
     Loads and motions are solved under a load at 12 deg to the axis, for an inner ring that is free to tilt and one that
     is not.
     """
-    tally = ExtremeGroup("clearance to 10 µm", "four-point bearing, 9 balls", "one start each")
+    tally = ExtremeGroup("clearance to 10 µm", "four-point bearing, 9 balls", "one start each", 2 * len(CLEARANCE))
     for c, tilt in product(CLEARANCE, (False, True)):
-        tally.cases += 1
         s = solve_bearing(four_point_bearing(clearance=c, tilt=tilt), radians(12.0))
         tally.count_own_solution(bool(s.converged[0]), float(s.input_power[0]), float(s.loss.sum()), 0.0)
     return tally
@@ -407,7 +372,7 @@ def solve_all_groups_of_touching_balls() -> list[ExtremeGroup]:
     two, counts = radians(2.0), f"{', '.join(map(str, BALLS))} balls"
     base, printed = oversized_pair(two), pair_as_printed(two)
     mu, loads, sides = "mu 0.001 to 0.5", "loads 1e-3 to 1e5 N", (-0.6, -0.999)
-    linear: tuple[tuple[str, list[LinearBearingBalls]], ...] = (
+    linear: tuple[tuple[str, list[LinearBallChain]], ...] = (
         ("rho to ±0.999, theta to ±5°", [linear_pair(t, r) for t, r in product(ANGLES, RHO)]),
         (mu, [linear_pair(2.0, r, VERTICAL, m) for r, m in product(sides, MU)]),
         (loads, [linear_pair(2.0, r, f) for r, f in product(sides, LOADS)]),
@@ -416,7 +381,7 @@ def solve_all_groups_of_touching_balls() -> list[ExtremeGroup]:
     )
     few = 1, "one random start; Lin's method up to 20 balls"
     balls = [random_linear_balls(n, m) for n, m in product(BALLS, MU)]
-    unloaded = [random_balls_with_unloaded_contacts(n, m) for n, m in product(BALLS, MU)]
+    unloaded = [random_linear_balls(n, m, unloaded=True) for n, m in product(BALLS, MU)]
     pairs: tuple[tuple[str, list[Pair], str], ...] = (
         ("theta to ±5°", [oversized_pair(radians(t)) for t in ANGLES], ""),
         (mu, [replace(base, groove=screw_groove(mu=m)) for m in MU], ""),
@@ -456,11 +421,10 @@ def root_finding_success_in_words(found: Sequence[ExtremeGroup]) -> str:
 
     ``found``: results of groups of cases; those that Lin's method was not tried on are left out.
     """
-    counts: dict[str, tuple[int, int]] = {}
+    counts: dict[str, Array] = {}
     for r in found:
         if r.counted is not None:
-            solved, tries = counts.get(r.model, (0, 0))
-            counts[r.model] = solved + r.counted.solved, tries + r.counted.tries
+            counts[r.model] = counts.get(r.model, np.zeros(2, dtype=int)) + r.counted[:2]
     worst_first = sorted(counts.items(), key=lambda item: item[1][0] / item[1][1])
     return "; ".join(f"{model}: {solved} of {tries}" for model, (solved, tries) in worst_first)
 

@@ -7,7 +7,6 @@ caches, and its time includes imports. A further run is the next load case in th
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
 from rollbench.compare.models.study import SceneResultCache
@@ -51,29 +50,20 @@ def time_jobs(cache: SceneResultCache) -> dict[Timed, Callable[[], Measured]]:
     return jobs
 
 
-@dataclass(frozen=True)
-class ModelRunTimes:
-    """Measured run times of one model for one scene.
+def stored_run_times(cache: SceneResultCache, name: str, model: str) -> tuple[float | None, float | None]:
+    """Return the stored run times [s] of one model for a scene, each None if it was not measured.
 
-    ``cold_start_seconds``: time [s] of the first load case in a new process, imports included;
-    ``further_load_case_seconds``: time [s] of the next load case in the same process. Each is None if it was not measured.
-    """
-
-    cold_start_seconds: float | None = None
-    further_load_case_seconds: float | None = None
-
-
-def stored_run_times(cache: SceneResultCache, name: str, model: str) -> ModelRunTimes:
-    """Return the stored run times of one model for a scene; all fields have their defaults if none is stored.
-
+    First: the first load case in a new process, imports included; second: the next load case in the same process.
     ``name``: name of the scene; ``model``: model, "lin" (static model), "numerical" (friction model of two balls),
     "formula" (Lin's formula for two balls) or "3D". ``cache``: gives solved scenes and stored 3D results.
     """
     kept = cache.compute_once(run_times_to_show, show_progress_message)
+    if kept is None:
+        return None, None
     found = cache.stored_reference(name) if name in STATIC.values() and model == "3D" else None
     if found is not None:
-        for level in () if kept is None else kept.mesh_level_times:
+        for level in kept.mesh_level_times:
             if (level.scene, level.level) == (name, found.best.level):
-                return ModelRunTimes(level.process, level.load_case)
-    known = None if kept is None else kept.times_by_scene_and_model.get((name, model))
-    return ModelRunTimes() if known is None else ModelRunTimes(known.cold, known.warm)
+                return level.process, level.load_case
+    known = kept.times_by_scene_and_model.get((name, model))
+    return (None, None) if known is None else (known.cold, known.warm)

@@ -8,26 +8,25 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
-from rollbench.compare.case import CASES
 from rollbench.compare.cases.liu import curves
 from rollbench.compare.cases.liu import evidence as liu
-from rollbench.compare.evidence import count_entries_by_verdict, evidence, reproduction_sentence
+from rollbench.compare.evidence import evidence
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.estimate import largest_uncertainty_percent
-from rollbench.compare.sections import source_tables
-from rollbench.compare.sections.verdicts import misprints_table
-from rollbench.lowfi.as_source.liu.chain import BallScrewChain, solve_ball_screw
+from rollbench.compare.sections.source_tables import publication_sections
+from rollbench.lowfi.as_source.liu.chain import solve_ball_screw
 from rollbench.lowfi.as_source.liu.ensemble import draw_uniform_errors
 from rollbench.lowfi.as_source.liu.model import SpringRow as ModelInputs
 from rollbench.lowfi.as_source.liu.model import nut_as_spring_row
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Calibration, Scene
-from rollbench.reports.content import Row, Section, Table, Text
+from rollbench.reports.content import Row, Section, Table
 
 #: Sections of the report by name: title, names of the printed tables.
 CHAPTERS = {
@@ -104,31 +103,8 @@ SOLID_LEVELS = (1, 2)
 #: Axial loads [N]; half range of the random errors of the ball diameters [m]; number of screws with random errors.
 LOADS, HALF_RANGE, DRAWN = (1000.0, 5000.0), 2e-6, 3
 
-
-@dataclass(frozen=True)
-class LoadsByThreeModels:
-    """Contact loads of the 78 balls of one screw under one axial load, by three models.
-
-    ``ball_errors_in_words``: ball errors of the screw; ``axial_load``: [N]; ``loads_by_axial_model``,
-    ``loads_by_beam_model``, ``loads_by_refined_model``: contact loads (78,) [N] by Liu's axial model, the beam model and
-    the refined model.
-    """
-
-    ball_errors_in_words: str
-    axial_load: float
-    loads_by_axial_model: Array
-    loads_by_beam_model: Array
-    loads_by_refined_model: Array
-
-    def differences_of_axial_model(self, model: Array) -> tuple[float, float, int]:
-        """Return the differences of another model's contact loads from those of the axial model: other minus axial.
-
-        First: RMS difference [% of the mean load]; second: largest difference, with its sign [% of the mean load]; third:
-        number of the ball with the largest difference, from 1. ``model``: contact loads (78,) [N] by that other model.
-        """
-        change = error_percent(model, self.loads_by_axial_model, float(model.mean()))
-        ball = int(np.abs(change).argmax())
-        return float(np.sqrt(np.mean(change**2))), float(change[ball]), ball + 1
+#: Models that are compared, in words: Liu's axial one with a rigid nut, and two models of this package.
+MODEL_WORDS = {"axial": "axial-only model", "lin": "beam model", "refined": "refined model"}
 
 
 def with_ball_errors_and_axial_load(scene: Scene, errors: Array, load: float) -> Scene:
@@ -151,80 +127,18 @@ def axial_model_inputs_with_rigid_nut(scene: Scene) -> ModelInputs:
     return replace(row, liu_chain=replace(row.liu_chain, compliance=row.screw_compliance_share * row.liu_chain.compliance))
 
 
-def compare_models(cache: SceneResultCache) -> tuple[LoadsByThreeModels, ...]:
-    """Return the contact loads of Liu's screw by the axial, the beam and the refined model.
+def difference_from_axial_cells(words: str, model: Array, axial: Array) -> Row:
+    """Return table cells with RMS and largest difference of a model's contact loads from those of the axial model.
 
-    There is an entry for each axial load and each of these ball errors: none, ball 33 too small or too large by 2 um, and
-    random errors. ``cache``: gives the solved scenes.
+    The differences are other minus axial, in per cent of the mean load. ``words``: name of the other model; ``model``,
+    ``axial``: contact loads (78,) [N] by the other and by the axial model.
     """
-    scene = cache.built_in_scene(SCENE)
-    chain = axial_model_inputs_with_rigid_nut(scene).liu_chain
-    drawn = draw_uniform_errors(liu.SEED + 2, 0, DRAWN, liu.ball_count(), HALF_RANGE)
-    kinds = [
-        ("none", np.zeros(liu.ball_count())),
-        ("ball 33: -2 um", liu.ball_errors_with_faulty_ball_33(-2e-6)),
-        ("ball 33: +2 um", liu.ball_errors_with_faulty_ball_33(2e-6)),
-    ]
-    kinds += [(f"drawn, +-2 um, screw {i + 1}", errors) for i, errors in enumerate(drawn)]
-    return tuple(
-        _loads_of_screw_by_three_models(cache, scene, chain, name, errors, load) for name, errors in kinds for load in LOADS
-    )
-
-
-def _loads_of_screw_by_three_models(
-    cache: SceneResultCache, scene: Scene, chain: BallScrewChain, name: str, errors: Array, load: float
-) -> LoadsByThreeModels:
-    """Compute the contact loads of one screw under one axial load by Liu's axial, the beam and the refined model.
-
-    ``chain``: axial model of the scene; ``name``: ball errors in words; ``errors``: errors of the ball diameters (78,) [m];
-    ``load``: axial load [N]. ``cache``: gives the solved scenes.
-    """
-    changed = with_ball_errors_and_axial_load(scene, errors, load)
-    beam, refined = (cache.solve_once(changed, model).load[:, 0] for model in ("lin", "refined"))
-    return LoadsByThreeModels(name, load, solve_ball_screw(chain, errors, load).load, beam, refined)
-
-
-@dataclass(frozen=True)
-class DifferenceFrom3D:
-    """Errors of one low-order model's contact loads against the 3D reference, for one scene of Liu's screw."""
-
-    #: Name of the scene.
-    scene: str
-    #: Title of the scene.
-    title: str
-    #: Name of the low-order model.
-    model: str
-    #: RMS difference of the contact loads from those in 3D [% of the mean load].
-    rms_percent: float
-    #: Largest difference between a ball's contact load by the model and in 3D [% of the mean load].
-    largest_percent: float
-    #: Number of the ball with this largest difference, counted from 1.
-    worst_ball: int
-    #: Largest uncertainty of any 3D contact load due to the mesh [% of the mean load]; None if unknown.
-    mesh_uncertainty_percent: float | None
-    #: Number of balls that carry load by the model.
-    loaded_balls: int
-    #: Number of balls that carry load in 3D.
-    loaded_balls_in_3d: int
-
-
-def differences_from_3d(cache: SceneResultCache) -> tuple[DifferenceFrom3D, ...]:
-    """Return the differences of contact loads by Liu's axial, the beam and the refined model from the 3D reference.
-
-    There are three entries for each scene that has a stored reference. ``cache``: gives solved scenes and stored 3D
-    references.
-    """
-    rows = []
-    for name, found in cache.stored_references(SOLID).items():
-        scene, bar = cache.built_in_scene(name), largest_uncertainty_percent(found)
-        for model in ("axial", "lin", "refined"):
-            load = loads_by_axial_model(scene) if model == "axial" else cache.solve_once(scene, model).load
-            e = load_error(load, found.load, found.contacts)
-            carried, held = (int(np.count_nonzero(x[:, 0] > 0.0)) for x in (load, found.load))
-            rows.append(
-                DifferenceFrom3D(name, scene.title, model, e.rms_percent, e.max_percent, e.ball, bar, carried, held)
-            )
-    return tuple(rows)
+    change = error_percent(model, axial, float(model.mean()))
+    ball = int(np.abs(change).argmax())
+    return {
+        ("rms_difference_from_axial", words): float(np.sqrt(np.mean(change**2))),
+        ("largest_difference_from_axial", words): f"{change[ball]:+.1f} (ball {ball + 1})",
+    }
 
 
 def loads_by_axial_model(scene: Scene) -> Array:
@@ -250,22 +164,27 @@ def scenes_and_levels_to_solve_again_in_3d(fresh: bool) -> Iterator[tuple[tuple[
 def model_loads_table(cache: SceneResultCache) -> Table:
     """Return the table of contact loads of Liu's screw by the axial, the beam and the refined model, by ball errors.
 
-    ``cache``: gives the solved scenes.
+    There is a row for each axial load and each of these ball errors: none, ball 33 too small or too large by 2 um, and
+    random errors. ``cache``: gives the solved scenes.
     """
+    scene = cache.built_in_scene(SCENE)
+    chain = axial_model_inputs_with_rigid_nut(scene).liu_chain
+    kinds = {
+        "none": np.zeros(liu.ball_count()),
+        "ball 33: -2 um": liu.ball_errors_with_faulty_ball_33(-2e-6),
+        "ball 33: +2 um": liu.ball_errors_with_faulty_ball_33(2e-6),
+    }
+    drawn = draw_uniform_errors(liu.SEED + 2, 0, DRAWN, liu.ball_count(), HALF_RANGE)
+    kinds |= {f"drawn, +-2 um, screw {i + 1}": errors for i, errors in enumerate(drawn)}
     rows: list[Row] = []
-    for c in cache.compute_once(compare_models):
-        row: Row = {"diameter_errors": c.ball_errors_in_words, "axial_load": c.axial_load}
-        for words, model in (
-            ("axial-only model", c.loads_by_axial_model),
-            ("beam model", c.loads_by_beam_model),
-            ("refined model", c.loads_by_refined_model),
-        ):
-            row["largest_load_by_g4", words] = float(model.max())
-            row["loaded_balls", words] = int(np.count_nonzero(model > 0.0))
-            if model is not c.loads_by_axial_model:
-                rms, most, ball = c.differences_of_axial_model(model)
-                row["rms_difference_from_axial", words] = rms
-                row["largest_difference_from_axial", words] = f"{most:+.1f} (ball {ball})"
+    for (name, errors), load in product(kinds.items(), LOADS):
+        changed, axial = with_ball_errors_and_axial_load(scene, errors, load), solve_ball_screw(chain, errors, load).load
+        row: Row = {"diameter_errors": name, "axial_load": load}
+        for model, words in MODEL_WORDS.items():
+            found = axial if model == "axial" else cache.solve_once(changed, model).load[:, 0]
+            row["largest_load_by_g4", words] = float(found.max())
+            row["loaded_balls", words] = int(np.count_nonzero(found > 0.0))
+            row |= difference_from_axial_cells(words, found, axial) if model != "axial" else {}
         rows.append(row)
     note = (
         "Axial-only model: Liu's model with a rigid nut and the axial compliance of the beam model's screw. Cross "
@@ -278,22 +197,26 @@ def model_loads_table(cache: SceneResultCache) -> Table:
 def errors_against_3d_table(cache: SceneResultCache) -> Table:
     """Return the table of the low-order models' errors against the 3D reference, for scenes of Liu's screw.
 
-    ``cache``: gives the solved scenes.
+    ``cache``: gives the solved scenes and stored 3D references.
     """
-    words = {"axial": "axial-only model", "lin": "beam model", "refined": "refined model"}
-    rows: list[Row] = [
-        {
-            "scene": c.scene,
-            "model": words[c.model],
-            "rms_error": c.rms_percent,
-            "largest_load_error": c.largest_percent,
-            "ball_of_largest_error": c.worst_ball,
-            "mesh_uncertainty": c.mesh_uncertainty_percent,
-            ("loaded_balls", "model"): c.loaded_balls,
-            ("loaded_balls", "3D reference"): c.loaded_balls_in_3d,
-        }
-        for c in cache.compute_once(differences_from_3d)
-    ]
+    rows: list[Row] = []
+    for name, found in cache.stored_references(SOLID).items():
+        scene, bar = cache.built_in_scene(name), largest_uncertainty_percent(found)
+        for model, words in MODEL_WORDS.items():
+            load = loads_by_axial_model(scene) if model == "axial" else cache.solve_once(scene, model).load
+            e = load_error(load, found.load, found.contacts)
+            rows.append(
+                {
+                    "scene": name,
+                    "model": words,
+                    "rms_error": e.rms_percent,
+                    "largest_load_error": e.max_percent,
+                    "ball_of_largest_error": e.ball,
+                    "mesh_uncertainty": bar,
+                    ("loaded_balls", "model"): int(np.count_nonzero(load[:, 0] > 0.0)),
+                    ("loaded_balls", "3D reference"): int(np.count_nonzero(found.load[:, 0] > 0.0)),
+                }
+            )
     levels = " and ".join(str(k) for k in SOLID_LEVELS)
     contacts = 2 * cache.built_in_scene(SCENE).ball_count
     note = (
@@ -311,9 +234,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[
     """
     step("random errors of a ball screw")
     found = evidence(cache, *PRINTED)
-    by_name = {f.printed.name: f for f in found}
     printed = {f.printed.key: f.printed.value for f in found if f.printed.value is not None}
-    listed = source_tables.read_table_layouts(next(case for case in CASES if case.name == "liu"))
     drawn = {
         "liu-test": (curves.ball_deformation_figure(), curves.displacement_test_figure(), curves.displacement_test_table()),
         "liu-mei": (curves.liu_and_mei_loads_figure(),),
@@ -329,24 +250,15 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[
             curves.stiffness_of_three_screws_figure(printed),
         ),
     }
-    chapters = [
-        Section(name, title, (*source_tables.tables_of_printed_numbers(tables, listed, by_name), *drawn.get(name, ())))
-        for name, (title, tables) in CHAPTERS.items()
-    ]
     cache.record_used_scenes(SOLID)
     beyond = [model_loads_table(cache), *([errors_against_3d_table(cache)] if cache.stored_references(SOLID) else ())]
-    return (
-        Section(
-            "liu",
-            "Liu et al. (2025): contact loads of a ball screw with random geometric errors",
-            (Text(ABOUT, bullets=True),),
-            conclusion=reproduction_sentence(count_entries_by_verdict(found)[0]),
-        ),
-        *chapters,
+    return publication_sections(
+        "liu",
+        "Liu (2025)",
+        "Liu et al. (2025): contact loads of a ball screw with random geometric errors",
+        ABOUT,
+        CHAPTERS,
+        found,
+        drawn,
         Section("liu-beyond", "Liu's screw computed by three low-order models and by the 3D reference", beyond),
-        Section(
-            "liu-audit",
-            "Liu (2025): misprints, and how each of the printed numbers is recomputed",
-            (misprints_table("liu"), *source_tables.tables_on_computation_of_numbers(PRINTED)),
-        ),
     )

@@ -6,10 +6,11 @@ with measurements.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from math import pi, prod, radians, sqrt
+from typing import Any
 
 import numpy as np
 
@@ -224,6 +225,13 @@ def compare_nut_rigidity() -> Iterator[outside.PublishedValue]:
             yield outside.value_of_table_entry(source, row, "line", "rigidity", what, band, maker=maker, practice=practice)
 
 
+def _nut_of_rexroth_row(source: makers.MakerTable, row: Mapping[str, str]) -> CatalogueNut:
+    """Return the dimensions of a preloaded nut from its row in Rexroth's table of preloads."""
+    turns = prod(map(float, row["turns"].replace(",", ".").split("x")))
+    ball, outer, lead = (1e-3 * source.parse_number(row[k]) for k in DIMENSIONS)
+    return CatalogueNut(ball, outer + 2.0 * BEYOND * ball, lead, turns, has_one_turn_circuits=False)
+
+
 def compare_preloaded_nuts() -> Iterator[outside.PublishedValue]:
     """Yield Rexroth's printed rigidities of preloaded nuts at several preloads, each with the computed value.
 
@@ -235,9 +243,7 @@ def compare_preloaded_nuts() -> Iterator[outside.PublishedValue]:
     for row in source.rows:
         groups.setdefault((row["nut_kind"], row["size"]), []).append(row)
     for (kind, size), rows in groups.items():
-        turns = prod(map(float, rows[0]["turns"].replace(",", ".").split("x")))
-        ball, outer, lead = (1e-3 * source.parse_number(rows[0][k]) for k in DIMENSIONS)
-        nut = CatalogueNut(ball, outer + 2.0 * BEYOND * ball, lead, turns, has_one_turn_circuits=False)
+        nut = _nut_of_rexroth_row(source, rows[0])
         ordered = sorted(rows, key=lambda row: source.parse_number(row["preload_percent_of_C"]))
         top = ordered[-1]
         for row in ordered:
@@ -316,53 +322,16 @@ def drag_torque_of_nut(nut: CatalogueNut, preload: float, coefficient: float = D
 # --- makers' formulas for the drag torque T over preload F [N], nominal diameter d_0 and lead P [m]
 
 
-def drag_torque_by_rexroth_formula(preload: float, diameter: float, lead: float) -> float:  # noqa: ARG001 - of every formula
-    """Return the drag torque T = 0.0100 F d_0 [N m] by the formula behind Rexroth's table of single nuts.
-
-    ``preload``: F [N]; ``diameter``: nominal diameter d_0 [m]; ``lead``: not used.
-    """
-    return 0.01 * preload * diameter
-
-
-def drag_torque_by_thk_formula(preload: float, diameter: float, lead: float) -> float:
-    """Return the drag torque T = 0.05/sqrt(tan beta) F P/(2 pi) [N m] by THK and JIS B 1192.
-
-    ``preload``: F [N]; ``diameter``: nominal diameter d_0 [m]; ``lead``: P [m]; tan beta = P/(pi d_0).
-    """
-    return 0.05 / sqrt(lead / (pi * diameter)) * preload * lead / (2.0 * pi)
-
-
-def drag_torque_by_hiwin_formula(preload: float, diameter: float, lead: float) -> float:  # noqa: ARG001 - of every formula
-    """Return the drag torque T = K_p F P/(2 pi) [N m] with K_p = 0.2, the middle of the range that HIWIN states.
-
-    ``preload``: F [N]; ``diameter``: not used; ``lead``: P [m].
-    """
-    return 0.2 * preload * lead / (2.0 * pi)
-
-
-FORMULAS = (
-    ("Rexroth: 0.0100 F d0", drag_torque_by_rexroth_formula),
-    ("THK: 0.05/sqrt(tan beta) F P/2 pi", drag_torque_by_thk_formula),
-    ("HIWIN: 0.2 F P/2 pi", drag_torque_by_hiwin_formula),
-)
-
-
-@dataclass(frozen=True)
-class DragTorqueRatios:
-    """Drag torques divided by preload and nominal diameter, computed and by makers' formulas, for nuts of one lead.
-
-    ``nominal_diameter``, ``lead``: [m]; ``single``, ``double``: computed ratio of a single and of a double nut at the
-    default coefficient of friction; ``at_smallest_friction``: the same two ratios at the smallest coefficient;
-    ``by_makers_formulas``: ratios by the makers' formulas, in the order of `FORMULAS`.
-    """
-
-    nominal_diameter: float
-    lead: float
-    single: float
-    double: float
-    at_smallest_friction: tuple[float, float]
-    by_makers_formulas: tuple[float, ...]
-
+#: Drag torque T [N m] as a function of preload F [N], nominal diameter d_0 [m] and lead P [m], by the name of the formula:
+#: that behind Rexroth's table of single nuts; that of THK and JIS B 1192, with tan beta = P/(pi d_0); that of HIWIN with
+#: K_p = 0.2, the middle of the stated range.
+FORMULAS: dict[str, Callable[[float, float, float], float]] = {
+    "Rexroth: 0.0100 F d0": lambda preload, diameter, _: 0.01 * preload * diameter,
+    "THK: 0.05/sqrt(tan beta) F P/2 pi": lambda preload, diameter, lead: (
+        0.05 / sqrt(lead / (pi * diameter)) * preload * lead / (2.0 * pi)
+    ),
+    "HIWIN: 0.2 F P/2 pi": lambda preload, _, lead: 0.2 * preload * lead / (2.0 * pi),
+}
 
 #: Nominal diameter and leads [mm] at which formulas are compared; diameter of the ball [mm]; axial force on a ball [N].
 SWEPT, BALL, SHARE = (32.0, (8.0, 10.0, 16.0, 20.0, 32.0)), 4.763, 60.0
@@ -373,23 +342,7 @@ def nut_for_drag_comparison(lead: float) -> CatalogueNut:
     return CatalogueNut(1e-3 * BALL, 1e-3 * (SWEPT[0] + 0.22 * BALL), lead, 1.0, has_one_turn_circuits=False)
 
 
-def drag_torque_ratios_over_lead() -> list[DragTorqueRatios]:
-    """Return the drag torque of a nut for several leads, by the sliding of its balls and by the makers' formulas.
-
-    The axial force on each ball is the same for all leads.
-    """
-    rows = []
-    for lead in SWEPT[1]:
-        nut, d0 = nut_for_drag_comparison(1e-3 * lead), 1e-3 * SWEPT[0]
-        drag = [
-            drag_torque_of_ball(nut, SHARE, mu, double=x) / (SHARE * d0) for mu in (DEFAULT, LEAST) for x in (False, True)
-        ]
-        formulas = tuple(f(1.0, d0, 1e-3 * lead) / d0 for _, f in FORMULAS)
-        rows.append(DragTorqueRatios(d0, 1e-3 * lead, drag[0], drag[1], (drag[2], drag[3]), formulas))
-    return rows
-
-
-def fit_power_exponent(values: list[float], abscissas: list[float]) -> float:
+def fit_power_exponent(values: Sequence[Any], abscissas: Sequence[Any]) -> float:
     """Return the exponent n of the power law ``values`` ~ ``abscissas``^n, by least squares of the logarithms."""
     return float(np.polyfit(np.log(abscissas), np.log(values), 1)[0])
 
@@ -401,14 +354,11 @@ def compare_rexroth_drag_torques() -> Iterator[outside.PublishedValue]:
     """
     source = makers.read_maker_table("rexroth-preload")
     for row in source.rows:
-        ball, outer, lead = (1e-3 * source.parse_number(row[k]) for k in DIMENSIONS)
         if not row["torque_low_Nm"]:
             continue
-        turns = prod(map(float, row["turns"].replace(",", ".").split("x")))
         share = source.parse_number(row["preload_percent_of_C"])
-        nut = CatalogueNut(ball, outer + 0.22 * ball, lead, turns, has_one_turn_circuits=False)
         preload, double = 0.01 * share * source.parse_number(row["C_N"]), row["nut_kind"] == "double nut"
-        torque = drag_torque_of_nut(nut, preload, double=double)
+        torque = drag_torque_of_nut(_nut_of_rexroth_row(source, row), preload, double=double)
         low, high = (source.parse_number(row[k]) for k in ("torque_low_Nm", "torque_high_Nm"))
         what = ("torque", SLIDING, f"{row['nut_kind']} {row['size']}, {share:g} % of C", "N m")
         band, left = outside.ComputedBand.from_values((torque,)), "a formula in disguise"

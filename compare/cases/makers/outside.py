@@ -119,28 +119,13 @@ def value_of_table_entry(
     return PublishedValue(origin=origin, value=value, computed=computed, **fields)
 
 
-@dataclass(frozen=True)
-class ErrorStatistics:
-    """Bias, scatter and number of the errors of a group of computed values against published ones.
+def error_statistics(found: Sequence[PublishedValue]) -> dict[str, Any] | None:
+    """Return bias, scatter and number of the errors of all judged values, by table column; None if no value is judged.
 
-    ``count``: number of values; ``mean_error_percent`` (bias), ``standard_deviation_percent`` (scatter): of the errors [%];
-    ``count_in_range``: number of published values in their computed ranges; ``median_range_width_percent``: median width of
-    these ranges [% of the computed value]; ``reduced_mean_error_percent``: mean error [%] of the computed values after
-    reduction as makers reduce them, None without such values.
-    """
-
-    count: int
-    mean_error_percent: float
-    standard_deviation_percent: float
-    count_in_range: int
-    median_range_width_percent: float
-    reduced_mean_error_percent: float | None
-
-
-def error_statistics(found: Sequence[PublishedValue]) -> ErrorStatistics | None:
-    """Return bias, scatter and number of the errors of all judged values; None if no value is judged.
-
-    ``found``: published values with the computed ones.
+    The columns are the number of values; mean (bias) and standard deviation (scatter) of the errors [%]; the number of
+    published values in their computed ranges; the median width of these ranges [% of the computed value]; the mean error
+    [%] of the computed values after reduction as makers reduce them, None without such values. ``found``: published values
+    with the computed ones.
     """
     judged = [x for x in found if not x.left]
     if not judged:
@@ -148,9 +133,14 @@ def error_statistics(found: Sequence[PublishedValue]) -> ErrorStatistics | None:
     errors = np.array([x.error_percent for x in judged])
     widths = [float(error_percent(x.computed.high, x.computed.low, x.scale or x.computed.value)) for x in judged]
     after = [float(error_percent(x.practice, x.value)) for x in judged if x.practice is not None]
-    inside = sum(x.verdict == "in the band" for x in judged)
-    mean = float(np.mean(after)) if after else None
-    return ErrorStatistics(len(judged), float(errors.mean()), float(errors.std()), inside, float(np.median(widths)), mean)
+    return {
+        "published_values": len(judged),
+        "bias_f1": float(errors.mean()),
+        "scatter_f1": float(errors.std()),
+        "published_in_range": sum(x.verdict == "in the band" for x in judged),
+        "range_width": float(np.median(widths)),
+        "reduced_error": float(np.mean(after)) if after else None,
+    }
 
 
 def group_by_fields(found: Iterable[PublishedValue], *keys: str) -> dict[tuple[str, ...], list[PublishedValue]]:
@@ -172,7 +162,7 @@ def statistics_cells_by_quantity(found: Sequence[PublishedValue]) -> dict[str, R
     """
     rows = {key: error_statistics(values) for (key,), values in group_by_fields(found, "quantity").items()}
     return {
-        key: {"values": s.count, "bias": s.mean_error_percent, "scatter": s.standard_deviation_percent}
+        key: {"values": s["published_values"], "bias": s["bias_f1"], "scatter": s["scatter_f1"]}
         for key, s in rows.items()
         if s is not None
     }
@@ -192,20 +182,8 @@ def bias_and_scatter_table(found: Sequence[PublishedValue]) -> Table:
         if s is None:
             without.append(f"{quantity} of {group}, {words}")
             continue
-        rows.append(
-            {
-                "quantity": quantity,
-                "published_by": group,
-                "computing_model": law,
-                "published_values": s.count,
-                "bias_f1": s.mean_error_percent,
-                "scatter_f1": s.standard_deviation_percent,
-                "published_in_range": s.count_in_range,
-                "range_width": s.median_range_width_percent,
-                "reduced_error": s.reduced_mean_error_percent,
-                "values_left_out": words,
-            }
-        )
+        named: Row = {"quantity": quantity, "published_by": group, "computing_model": law}
+        rows.append(named | s | {"values_left_out": words})
     note = (
         "Error: computed minus published value. Computed range (band): range of a computed value "
         "over the rounding of printed inputs and the usual range of unprinted ones. Errors of clearances are in per cent "

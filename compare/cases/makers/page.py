@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -56,8 +58,8 @@ def first_page(cache: SceneResultCache) -> dict[str, Row]:
 
 def _error_statistics_of_quantity(
     found: Sequence[outside.PublishedValue], quantity: str, model_prefix: str = "", maker_prefix: str = ""
-) -> outside.ErrorStatistics:
-    """Return bias and scatter of the errors of one quantity; at least one of its published values must be judged.
+) -> dict[str, Any]:
+    """Return bias and scatter of the errors of one quantity, by column; at least one value must be judged.
 
     ``found``: published values with the computed ones; ``quantity``: name of the quantity, such as "rigidity";
     ``model_prefix``, ``maker_prefix``: first characters of the names of the models and makers that count; empty: all.
@@ -97,8 +99,8 @@ def band_and_errors_conclusion(found: Sequence[outside.PublishedValue]) -> str:
             "their computed ranges, which cover rounded and unprinted inputs. Where no input is unknown, both agree: bias "
             "and scatter of preload, rigidity and starting torque of NSK's sets are "
         )
-        + ", ".join(f"{s.mean_error_percent:+.1f} and {s.standard_deviation_percent:.1f} %" for s in sets)
-        + f", and {clear.count} axial clearances agree to {np.sqrt((off**2).mean()):.2f} um RMS."
+        + ", ".join(f"{s['bias_f1']:+.1f} and {s['scatter_f1']:.1f} %" for s in sets)
+        + f", and {clear['published_values']} axial clearances agree to {np.sqrt((off**2).mean()):.2f} um RMS."
     )
 
 
@@ -113,7 +115,7 @@ def clearances_text(found: Sequence[outside.PublishedValue]) -> str:
         "NSK calls its axial clearances measured, but they follow from a contact angle that changes under load: "
         "with balls from the ratings and the conformity from one rigidity of each bearing, "
         f"{int((np.abs(off) <= 1.0).sum())} of {off.size} clearances are computed within 1 um. At other preloads, computed "
-        f"rigidities have bias {stiff.mean_error_percent:+.1f} and scatter {stiff.standard_deviation_percent:.1f} %."
+        f"rigidities have bias {stiff['bias_f1']:+.1f} and scatter {stiff['scatter_f1']:.1f} %."
     )
 
 
@@ -135,9 +137,9 @@ def nut_rigidity_text(found: Sequence[outside.PublishedValue]) -> str:
     return (
         f"Printed rigidities of nuts are lower than computed because makers print about {100.0 * PRACTICE:g} % of the "
         "computed value. With the number of loaded balls inferred from the maker's own C_0, contacts and tubes are "
-        f"{bare.mean_error_percent:+.0f} % from what is printed, {100.0 * PRACTICE:g} % of them {min(means):+.0f} to "
+        f"{bare['bias_f1']:+.0f} % from what is printed, {100.0 * PRACTICE:g} % of them {min(means):+.0f} to "
         f"{max(means):+.0f} % by maker, and {close} of {len(most)} nuts lie within 10 %. Rexroth's rigidities are not "
-        f"reproduced ({rex.mean_error_percent:+.0f} %): printed values are 0.43 times the computed ones at every size and "
+        f"reproduced ({rex['bias_f1']:+.0f} %): printed values are 0.43 times the computed ones at every size and "
         "preload. The origin of this factor stays open (ISO 3408-4's factor of accuracy is named, but its value could not "
         "be read); the growth of Rexroth's values with preload does come out."
     )
@@ -177,21 +179,18 @@ def drag_torque_text(found: Sequence[outside.PublishedValue]) -> str:
 
     ``found``: all published values with the computed ones.
     """
-    rows = nuts.drag_torque_ratios_over_lead()
-    leads = [r.lead for r in rows]
-    sliding = [nuts.fit_power_exponent([getattr(r, key) for r in rows], leads) for key in ("single", "double")]
-    theirs = [nuts.fit_power_exponent([r.by_makers_formulas[k] for r in rows], leads) for k in range(len(nuts.FORMULAS))]
-    named = ", ".join(f"{name.split(':')[0]} {x:.2f}" for (name, _), x in zip(nuts.FORMULAS, theirs, strict=True))
+    columns = drag_torque_table().columns
+    exponents = [nuts.fit_power_exponent(values, columns["lead"]) for values in columns.values()]
+    sliding, theirs = exponents[1:3], exponents[5:]
+    named = ", ".join(f"{name.split(':')[0]} {x:.2f}" for name, x in zip(nuts.FORMULAS, theirs, strict=True))
     shares = [nuts.SHARE, 2.0 * nuts.SHARE]
     nut, drag = nuts.nut_for_drag_comparison(0.01), nuts.drag_torque_of_ball
     over = [
         nuts.fit_power_exponent([drag(nut, x, nuts.DEFAULT, double=double) for x in shares], shares)
         for double in (False, True)
     ]
-    smallest = {
-        key: [r.at_smallest_friction[k] / getattr(r, key) for r in rows] for k, key in enumerate(("single", "double"))
-    }
-    least = [float(np.median(ratios)) for ratios in smallest.values()]
+    torques = np.array([*columns.values()], dtype=float)[1:5]  # usual and smallest coefficient, single and double nuts
+    least = np.median(torques[2:] / torques[:2], axis=1)
     cases = [x for x in found if x.kind_of_source == outside.MEASURED]
     one = cases[0]
     words = ", ".join(f"{x.value:g} {x.part.split(', ')[1]}" for x in cases)
@@ -212,17 +211,17 @@ def drag_torque_text(found: Sequence[outside.PublishedValue]) -> str:
 def drag_torque_table() -> Table:
     """Return the table of drag torque divided by preload and nominal diameter, for several leads: computed, by formulas."""
     rows: list[Row] = []
-    for one in nuts.drag_torque_ratios_over_lead():
-        row: Row = {
-            "lead": 1e3 * one.lead,
-            "drag_torque_single": 1e3 * one.single,
-            "drag_torque_double": 1e3 * one.double,
-            ("drag_torque_single_at", f"{nuts.LEAST:g}"): 1e3 * one.at_smallest_friction[0],
-            ("drag_torque_double_at", f"{nuts.LEAST:g}"): 1e3 * one.at_smallest_friction[1],
-        }
-        for (name, _), value in zip(nuts.FORMULAS, one.by_makers_formulas, strict=True):
-            maker, formula = name.replace("P/2 pi", "P/(2 pi)").split(": ")
-            row["drag_torque_by_formula", maker, formula] = 1e3 * value
+    nominal = 1e-3 * nuts.SWEPT[0]
+    for lead in nuts.SWEPT[1]:
+        row: Row = {"lead": lead}
+        for mu, double in product((nuts.DEFAULT, nuts.LEAST), (False, True)):
+            kind = "double" if double else "single"
+            torque = nuts.drag_torque_of_ball(nuts.nut_for_drag_comparison(1e-3 * lead), nuts.SHARE, mu, double=double)
+            usual, smallest = f"drag_torque_{kind}", (f"drag_torque_{kind}_at", f"{nuts.LEAST:g}")
+            row[usual if mu == nuts.DEFAULT else smallest] = 1e3 * torque / (nuts.SHARE * nominal)
+        for name, formula in nuts.FORMULAS.items():
+            maker, text = name.replace("P/2 pi", "P/(2 pi)").split(": ")
+            row["drag_torque_by_formula", maker, text] = 1e3 * formula(1.0, nominal, 1e-3 * lead) / nominal
         rows.append(row)
     at = f"Nominal diameter {nuts.SWEPT[0]:g} mm, balls of {nuts.BALL:g} mm, {nuts.SHARE:g} N each"
     note = "Torque ratio: drag torque T divided by preload F and nominal diameter d0. P: lead; beta: lead angle. "

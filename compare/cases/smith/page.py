@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import product
 
 import numpy as np
 
-from rollbench.compare.case import CASES
 from rollbench.compare.cases.smith.evidence import axis, bearings
-from rollbench.compare.evidence import PrintedEntryComparison, count_entries_by_verdict, evidence, reproduction_sentence
+from rollbench.compare.evidence import PrintedEntryComparison, evidence
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import load_printed_table
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sections import source_tables
-from rollbench.compare.sections.verdicts import misprints_table
+from rollbench.compare.sections.source_tables import publication_sections
 from rollbench.compare.studies import roller as rollers
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import dimensionless_hertz_parameters
 from rollbench.lowfi.bearings.axis import carriage_to_frame_stiffness
 from rollbench.meshes.axis import Assembly
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table
 
 #: Sections of the report by name: title, names of the printed tables.
 CHAPTERS = {
@@ -58,29 +57,24 @@ def hertz_parameters_figure() -> Figure:
     at = np.linspace(0.0, 0.9999, 200)
     exact = np.array([dimensionless_hertz_parameters(float(f)) for f in at])
     names = {"delta": ("δ*", "approach", 0), "a": ("a*", "major", 1), "b": ("b*", "minor", 2)}
-    printed = {
-        key: [r for r in load_printed_table("smith-table-2-1") if r.key.startswith(f"{key}_") and r.value] for key in names
-    }
     differences = bearings.DIFFERENCES
+    right = np.array([dimensionless_hertz_parameters(f) for f in differences])
+    inside = [k for k, f in enumerate(differences) if 0.3 < f < 0.99]
     curves, off = [], []
     for key, (label, fit, column) in names.items():
-        values = [float(r.value or 0.0) for r in printed[key]]
+        rows = (row for row in load_printed_table("smith-table-2-1") if row.key.startswith(f"{key}_"))
+        values = [row.value for row in rows if row.value]
         if key != "a":
             curves += [
                 Series(f"{label}, exact", at.tolist(), exact[:, column].tolist(), "line"),
                 Series(f"{label}, printed", differences, values, "markers"),
             ]
-        right = [dimensionless_hertz_parameters(f)[column] for f in differences]
-        off.append(
-            Series(f"{label}, table", differences, error_percent(np.array(values), np.array(right)).tolist(), "markers")
-        )
-        inside = [f for f in differences if 0.3 < f < 0.99]
-        fits = []
-        for f in inside:
-            fitted, true = as_printed.hertz_parameter_by_smith_polynomial(f, fit), dimensionless_hertz_parameters(f)[column]
-            fits.append(float(error_percent(fitted, true)))
+        errors = error_percent(np.array(values), right[:, column]).tolist()
+        off.append(Series(f"{label}, table", differences, errors, "markers"))
         if key != "b":
-            off.append(Series(f"{label}, fit", inside, fits, "line"))
+            shown = [differences[k] for k in inside]
+            fits = np.array([as_printed.hertz_parameter_by_smith_polynomial(f, fit) for f in shown])
+            off.append(Series(f"{label}, fit", shown, error_percent(fits, right[inside, column]).tolist(), "line"))
     panels = (
         Panel("Hertz parameters of Table 2-1 and by exact integrals", "F(p)", "δ*, b*", curves, include_zero=True),
         Panel("error of table and fits against exact integrals", "F(p)", "error_percent", off),
@@ -216,7 +210,8 @@ def end_thrusts_and_stiffness_table(cache: SceneResultCache) -> Table:
     """
     unit = 1e6 * bearings.POUND_PER_INCH
     rows: list[Row] = []
-    for layout, place, beam, closed in axis.compare_beam_model_with_formulas(cache):
+    for layout, place in product(axis.LAYOUTS, axis.PLACES):
+        beam, closed = cache.compute_once(axis.solve_by_beam_model, layout, place), axis.solve_by_formulas(layout, place)
         cache.record_used_scenes((layout.scene_name,))
         models = {"beam model": beam, "closed formulas": closed}
         row: Row = {"support_bearings": layout.description, "nut_place": place}
@@ -321,28 +316,10 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[
     """
     step("support bearings and axis")
     found = evidence(cache, *PRINTED)
-    by_name = {f.printed.name: f for f in found}
-    listed = source_tables.read_table_layouts(next(case for case in CASES if case.name == "smith"))
     drawn = {
         "smith-ball": (hertz_parameters_figure(), stiffness_figure(found)),
         "smith-taper": (tapered_row_torque_table(), *tapered_roller_table_and_figure(cache)),
         "smith-axis": (bearing_row_loads_figure(found), end_thrusts_and_stiffness_table(cache)),
     }
-    chapters = [
-        Section(name, title, (*source_tables.tables_of_printed_numbers(printed, listed, by_name), *drawn.get(name, ())))
-        for name, (title, printed) in CHAPTERS.items()
-    ]
-    return (
-        Section(
-            "smith",
-            "Smith (1994): support bearings and stiffness of a ball-screw axis",
-            (Text(ABOUT, bullets=True),),
-            conclusion=reproduction_sentence(count_entries_by_verdict(found)[0]),
-        ),
-        *chapters,
-        Section(
-            "smith-audit",
-            "Smith (1994): misprints, and how each of the printed numbers is recomputed",
-            (misprints_table("smith"), *source_tables.tables_on_computation_of_numbers(PRINTED)),
-        ),
-    )
+    title = "Smith (1994): support bearings and stiffness of a ball-screw axis"
+    return publication_sections("smith", "Smith (1994)", title, ABOUT, CHAPTERS, found, drawn)

@@ -24,7 +24,7 @@ def test_sheet_keeps_the_order_of_the_table_leaves_the_rest_open_and_refuses_wha
 
 def test_compared_value_follows_the_class():
     row = next(r for r in load_printed_table("lin-3.2") if r.entry_class == "as-printed")
-    values = {"value": 2.0 * row.value, "as_printed": row.value, "value_by_inferred_assumption": 1.5 * row.value}
+    values = {"value": 2.0 * row.value, "as_printed": row.value, "reading": 1.5 * row.value}
     e = PrintedEntryComparison(row, **values)
     assert (e.verdict, e.error_percent) == ("only as printed", 0.0)
     assert e.reading_error_percent == pytest.approx(50.0)

@@ -20,7 +20,7 @@ TRACES = list(computations_of_entries())
 
 def test_every_printed_entry_is_traced_once():
     entries = Counter((r.table, r.key) for name in printed_table_names() for r in load_printed_table(name))
-    assert Counter((t.table, t.key) for t in TRACES) == entries
+    assert Counter((t["table"], t["key"]) for t in TRACES) == entries
     assert set(all_computations()) == set(printed_table_names())
 
 

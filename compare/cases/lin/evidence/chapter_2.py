@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from rollbench.compare.cases.lin.reconstruction.explanations import ERRORS, evaluate_explanations
 from rollbench.compare.evidence import ComputedEntryValues, count_in_words
-from rollbench.compare.measure import LoadError, error_percent, load_error
+from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.comparison import PRINTED
 from rollbench.compare.models.study import SceneResultCache, with_conformity
 from rollbench.compare.printed import printed_entry, printed_value
@@ -22,6 +22,7 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Errors, Scene, SideErrors, Support
 from rollbench.meshes.section import nodes_of_whole_beam, screw_groove_section
 from rollbench.meshes.surface import principal_curvatures
+from rollbench.reports.content import Row
 
 #: Conformity with which Table B.1 was computed (that of Table 3.6), instead of Table 2.1's groove radius.
 TABLE_CONFORMITY = 0.56
@@ -293,65 +294,54 @@ def _compare_with_ansys(cache: SceneResultCache, findings: ComputedEntryValues) 
 # --- case study 1 under the choices that the thesis leaves open, and under its faults
 
 
-@dataclass(frozen=True)
-class Case1WithModelChoice:
-    """Contact loads of Lin's case study 1 under one modelling choice, compared with those of the default model.
+#: Choices that the thesis leaves open, and its faults, in case study 1: in words; conformity of the grooves, None: as in
+#: the scene; changed options of the model; name of the model. The first has all choices by default.
+CASE_1_CHOICES: tuple[tuple[str, float | None, dict[str, Any], str], ...] = (
+    ("default: node at every contact, C.8 with its root, right Hertz constants", None, {}, "lin"),
+    ("Lin's partition of the beam (elements of 15 mm in the nut)", None, {"partition": "source"}, "lin"),
+    ("C.8 read without the root", None, {"section": "groove squared"}, "lin"),
+    ("groove ignored in the beam's section", None, {"section": "full"}, "lin"),
+    (
+        "Lin's partition of the beam and C.8 without the root",
+        None,
+        {"partition": "source", "section": "groove squared"},
+        "lin",
+    ),
+    ("Hertz constants as printed (faults of Table B.1)", None, {"hertz": "as printed"}, "lin"),
+    ("groove radius 0.56 x diameter, right Hertz constants", TABLE_CONFORMITY, {}, "lin"),
+    ("groove radius 0.56 x diameter, as printed (Table B.1 itself)", TABLE_CONFORMITY, {"hertz": "as printed"}, "lin"),
+    ("Hertz constants at each contact's actual geometry", None, {"hertz": "actual"}, "lin"),
+    ("lever arm frozen at the nominal contact point", None, {"arm": "nominal"}, "lin"),
+    ("contact force acts on the beam at the ball's axial position, not the contact's", None, {"arm": "ball"}, "lin"),
+    ("Lin's own equations (lever arm and axial position of the force follow the contact angle)", None, {}, "source"),
+    ("axial bars only, rigid nut (Mei)", None, {}, "mei"),
+    ("axial bars only, nut an elastic bar (Mei)", None, {}, "mei-nut"),
+)
 
-    ``choice_in_words``: the choice; ``solution``: static solution; ``load_change``: difference of its contact loads from
-    the loads with all choices by default.
+
+def model_choice_rows(cache: SceneResultCache) -> list[Row]:
+    """Return the table rows of Lin's case 1, one for each modelling choice: loads, largest change, axial displacement.
+
+    Changes are from the loads with all choices by default. ``cache``: gives the solved scenes.
     """
-
-    choice_in_words: str
-    solution: StaticResult
-    load_change: LoadError
-
-
-def solve_case_1_by_model_choice(cache: SceneResultCache) -> list[Case1WithModelChoice]:
-    """Solve Lin's case study 1 under each modelling choice that his thesis leaves open, and with each of its faults.
-
-    The first entry has all choices by default. ``cache``: gives the solved scenes.
-    """
-    base = cache.solve_once("lin-case1")
-    case = cache.built_in_scene("lin-case1")
-    small = with_conformity(case, TABLE_CONFORMITY)
-    variants: Sequence[tuple[str, Scene, str]] = (
-        ("default: node at every contact, C.8 with its root, right Hertz constants", case, "lin"),
-        (
-            "Lin's partition of the beam (elements of 15 mm in the nut)",
-            cache.scene_with_options("lin-case1", partition="source"),
-            "lin",
-        ),
-        ("C.8 read without the root", cache.scene_with_options("lin-case1", section="groove squared"), "lin"),
-        ("groove ignored in the beam's section", cache.scene_with_options("lin-case1", section="full"), "lin"),
-        (
-            "Lin's partition of the beam and C.8 without the root",
-            cache.scene_with_options("lin-case1", partition="source", section="groove squared"),
-            "lin",
-        ),
-        (
-            "Hertz constants as printed (faults of Table B.1)",
-            cache.scene_with_options("lin-case1", hertz="as printed"),
-            "lin",
-        ),
-        ("groove radius 0.56 x diameter, right Hertz constants", small, "lin"),
-        (
-            "groove radius 0.56 x diameter, as printed (Table B.1 itself)",
-            replace(small, ingredients=replace(small.ingredients, hertz="as printed")),
-            "lin",
-        ),
-        ("Hertz constants at each contact's actual geometry", cache.scene_with_options("lin-case1", hertz="actual"), "lin"),
-        ("lever arm frozen at the nominal contact point", cache.scene_with_options("lin-case1", arm="nominal"), "lin"),
-        (
-            "contact force acts on the beam at the ball's axial position, not the contact's",
-            cache.scene_with_options("lin-case1", arm="ball"),
-            "lin",
-        ),
-        ("Lin's own equations (lever arm and axial position of the force follow the contact angle)", case, "source"),
-        ("axial bars only, rigid nut (Mei)", case, "mei"),
-        ("axial bars only, nut an elastic bar (Mei)", case, "mei-nut"),
-    )
-    found = [(label, cache.solve_once(scene, model)) for label, scene, model in variants]
-    return [Case1WithModelChoice(label, result, load_error(result.load, base.load)) for label, result in found]
+    rows: list[Row] = []
+    for words, conformity, options, model in CASE_1_CHOICES:
+        scene = cache.scene_with_options("lin-case1", **options)
+        result = cache.solve_once(scene if conformity is None else with_conformity(scene, conformity), model)
+        change = load_error(result.load, cache.solve_once("lin-case1").load)
+        rows.append(
+            {
+                "modelling_choice": words,
+                "largest_load": float(result.load.max()),
+                "smallest_load": float(result.load[:, 0].min()),
+                "load_ratio": load_ratio(result.load[:, 0]),
+                "largest_change_f3": change.max_percent,
+                "rms_change_f3": change.rms_percent,
+                "screw_displacement": 1e6 * float(result.centreline[0, 2]),
+                "status": result.status,
+            }
+        )
+    return rows
 
 
 # --- section 2.4.2, geometric errors: printed numbers and claims; those on random errors need randomly drawn screws

@@ -102,19 +102,8 @@ def table_3_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
 
     ``findings``: receives the value to compare with each number of the table. ``cache``: not used here.
     """
-    b = ROTARY
-    values = {
-        "R_B": 1e3 * b.ball_radius,
-        "conformity": 0.5 * b.groove_radius / b.ball_radius,
-        "R_P": 1e3 * b.pitch_radius,
-        "beta": degrees(b.contact_angle),
-        "F_x": AXIAL,
-        "omega_I": b.screw_speed / (2.0 * np.pi),
-        "mu": b.mu,
-        "E": b.young,
-        "nu": b.poisson,
-    }
-    findings.numbers(values)
+    findings.numbers(source_cases.groove_inputs(ROTARY))
+    findings.numbers({"F_x": AXIAL, "omega_I": ROTARY.screw_speed / (2.0 * np.pi), "E": ROTARY.young})
 
 
 def value_for_table_3_2(solution: bearing.BearingBallSolution, key: str) -> float:

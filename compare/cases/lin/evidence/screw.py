@@ -157,15 +157,10 @@ def given_3_6(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
     here.
     """
     g = source_cases.screw_groove()
+    findings.numbers(source_cases.groove_inputs(g))
     values = {
-        "R_B": 1e3 * g.ball_radius,
-        "conformity": 0.5 * g.groove_radius / g.ball_radius,
-        "R_P": 1e3 * g.pitch_radius,
         "lead": 1e3 * g.lead,
-        "beta": degrees(g.contact_angle),
         "omega_N": g.speed / np.pi,
-        "mu": g.mu,
-        "nu": g.poisson,
         "force": source_cases.pair_as_printed(0.0).force[0],
         "theta_1": degrees(source_cases.pair_as_printed().theta[0]),
         "theta_2_a": THETA["a"],
@@ -245,21 +240,12 @@ def _both_values_in_words(as_text: float, with_oversize: float) -> str:
     return f"text as printed {as_text:.4g}, inferred oversize {with_oversize:.4g}"
 
 
-def later_groove_torque(history: travel.TravelHistory) -> Array:
-    """Return the friction torque [N m] of the ball-to-groove contacts at each time step from the second on, (steps - 1,).
-
-    ``history``: motions and torques of a simulation of the whole screw. The first step is left out because its contact
-    loads are computed without friction.
-    """
-    return history.groove_torque[1:]
-
-
 def groove_torque_variation(history: travel.TravelHistory) -> float:
     """Return (largest - smallest)/mean of the ball-to-groove friction torque during a simulation of the whole screw.
 
     The first time step is left out. ``history``: motions and torques at each time step.
     """
-    torque = later_groove_torque(history)
+    torque = history.groove_torque[1:]
     return float(np.ptp(torque) / torque.mean())
 
 
@@ -673,13 +659,20 @@ def simulation_result_row(label: str, assumed_value: str, history: travel.Travel
     torques at each time step.
     """
     s: ScrewRunSummary = summarise_screw_run(history)
-    touches = s.largest_ball_to_groove_ratio > 0.0
-    largest, angle, end = _printed_results_of_run(s)
-    at, none_at = angle if touches else None, end if touches and np.isfinite(end) else None
-    groups, variation = s.most_touching_groups, 100.0 * groove_torque_variation(history)
-    torque = 1e3 * float(later_groove_torque(history).mean())
+    largest, at, none_at = _printed_results_of_run(s)
+    known = (at, none_at if np.isfinite(none_at) else None) if largest > 0.0 else (None, None)
     steps = f"{int(history.converged.sum())} of {history.converged.size}"
-    values = label, assumed_value, largest, at, none_at, groups, variation, torque, steps
+    first = label, assumed_value, largest, *known, s.most_touching_groups
+    return _row_with_groove_torque(first, history.groove_torque, steps)
+
+
+def _row_with_groove_torque(first_cells: Sequence[Any], groove_torque: Array, steps: str) -> Row:
+    """Return a table row with columns `RUN`: its first cells, variation and mean of the groove torque, and ``steps``.
+
+    ``groove_torque``: of the ball-to-groove contacts at each time step [N m]; the first step does not count.
+    """
+    torque = groove_torque[1:]
+    values = *first_cells, 100.0 * float(np.ptp(torque) / torque.mean()), 1e3 * float(torque.mean()), steps
     return dict(zip(RUN, values, strict=True))
 
 
@@ -693,16 +686,14 @@ def simulation_row_by_lin_method(run: Run) -> Row:
     ratio, touching = r.ball_torque / r.groove_torque, r.ball_force > 0.0
     top, angle = int(np.argmax(ratio)), np.degrees(r.nut_angle)
     later = np.flatnonzero(~touching.any(axis=1) & (np.arange(angle.size) > top))
-    torque, none_at = r.groove_torque[1:], float(angle[later[0]]) if later.size else None
+    none_at = float(angle[later[0]]) if later.size else None
     overlap = 100.0 * r.largest_overlap / run.groove.pair.spacing
     value = (
         f"as the case study, 3°; balls overlap in {r.overlapping_step_count} steps, by up to {overlap:.1f} % of their size"
     )
-    spread = 100.0 * float(np.ptp(torque) / torque.mean())
     steps = f"{len(r.status) - r.failed_step_count} of {len(r.status)}"
     first = SOURCE_RULE, value, 100.0 * float(ratio[top]), float(angle[top]), none_at
-    values = *first, int(np.max(travel.count_touching_groups(touching))), spread, 1e3 * float(torque.mean()), steps
-    return dict(zip(RUN, values, strict=True))
+    return _row_with_groove_torque((*first, int(np.max(travel.count_touching_groups(touching)))), r.groove_torque, steps)
 
 
 def simulation_sensitivity_rows() -> list[Row]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from math import degrees
 from typing import TYPE_CHECKING
 
 from rollbench.compare.cases.lin.kinds.bearings import BearingBallScene, BearingPairScene, LinearPairScene
@@ -152,3 +153,15 @@ def double_row_bearing(*, tilt: bool = True, **changes: object) -> BearingCase:
     ``tilt``: whether the inner ring is free to tilt; ``changes``: new values of fields of `BearingCase`, by name.
     """
     return replace(four_point_and_double_row_scene().double_row, tilt=tilt, **changes)  # type: ignore[arg-type]
+
+
+def groove_inputs(groove: ScrewGroove) -> dict[str, float]:
+    """Return the inputs that Lin's Tables 3.1 and 3.6 have in common, by key of the printed numbers, in printed units."""
+    return {
+        "R_B": 1e3 * groove.ball_radius,
+        "conformity": 0.5 * groove.groove_radius / groove.ball_radius,
+        "R_P": 1e3 * groove.pitch_radius,
+        "beta": degrees(groove.contact_angle),
+        "mu": groove.mu,
+        "nu": groove.poisson,
+    }

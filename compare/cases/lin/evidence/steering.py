@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import cache, partial
-from typing import Any, TypeVar
+from itertools import product
+from typing import TypeVar
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import BallErrors, Errors, Scene, Support
+from rollbench.reports.content import Row
 
 #: Axial loads of the axial lash test: first, last and number of loads. The lateral loads of the conical test are not
 #: printed and are assumed to be the same.
@@ -109,40 +111,22 @@ def relative_range_percent(values: list[float]) -> float:
     return float(error_percent(max(values), min(values)))
 
 
-@dataclass(frozen=True)
-class RelativeLashDifferences:
-    """Relative differences [%] of the lash of one ball screw between four patterns of its balls.
-
-    ``axial_percent``: difference in the axial test; ``conical_percent``: differences in the conical test (lateral force),
-    one for each direction of the force in `DIRECTIONS`.
-    """
-
-    axial_percent: float
-    conical_percent: tuple[float, ...]
-
-
 def relative_lash_differences(
     scene: Scene, force_distance: float, restrained: Sequence[str] = TURNING
-) -> RelativeLashDifferences:
-    """Return the relative differences of a ball screw's lash between its ball patterns, by the axial and the conical test.
+) -> tuple[float, tuple[float, ...]]:
+    """Return the relative differences [%] of a ball screw's lash between its ball patterns.
 
+    First: in the axial test; second: in the conical test (lateral force), for each direction of the force in `DIRECTIONS`.
     ``scene``: the ball screw; ``force_distance``: distance of the lateral force from the nut's centre [m]; ``restrained``:
     displacements and rotations that are restrained at the screw's left end, such as "rz" (rotation about the axis).
     """
     screws = [arrange_balls_in_pattern(scene, p) for p in PATTERNS]
-    cones = [
-        [
-            peak_to_peak_displacement(solve_conical_lash_test(s, float(d), force_distance, restrained=restrained))
-            for s in screws
-        ]
-        for d in DIRECTIONS
-    ]
-    return RelativeLashDifferences(
-        relative_range_percent(
-            [peak_to_peak_displacement(solve_axial_lash_test(s, restrained=restrained)) for s in screws]
-        ),
-        tuple(map(relative_range_percent, cones)),
-    )
+    tests = [[solve_axial_lash_test(s, restrained=restrained) for s in screws]]
+    for direction in DIRECTIONS:
+        solve = partial(solve_conical_lash_test, direction=float(direction), force_distance=force_distance)
+        tests.append([solve(s, restrained=restrained) for s in screws])
+    axial, *conical = (relative_range_percent([*map(peak_to_peak_displacement, of)]) for of in tests)
+    return axial, tuple(conical)
 
 
 # --- lash tests of a ball screw; contact loads of bearing and ball screw in a steering gear
@@ -152,6 +136,8 @@ def relative_lash_differences(
 #: lash test from the nut's centre [m].
 SCREW, RACK = "lin-lash-even", "lin-steering-rack"
 RACK_FORCE, REACH = 14500.0, 0.3
+#: Both parts of the steering gear with contact loads, in words, by the ends of the keys of their printed load ratios.
+PARTS = {"screw": "ball screw", "bearing": "bearing"}
 #: Angles between tie rods and rack [deg] at which the contact loads are computed.
 TIE_ROD = (0.0, 6.0, 12.0, 18.0)
 
@@ -231,13 +217,13 @@ def _compute_lash(findings: ComputedEntryValues, cache: SceneResultCache) -> Non
 
     ``cache``: gives the scenes included with rollbench; ``findings``: receives the results.
     """
-    found = relative_lash_differences(cache.built_in_scene(SCREW), REACH)
-    by_direction = ", ".join(f"{x:.1f}" for x in found.conical_percent)
+    axial, conical = relative_lash_differences(cache.built_in_scene(SCREW), REACH)
+    by_direction = ", ".join(f"{x:.1f}" for x in conical)
     words = f"lateral force at {1e3 * REACH:.0f} mm; by direction {by_direction} %"
-    findings.add_number("axial", found.axial_percent, "screw kept from turning only")
-    findings.add_number("conical", max(found.conical_percent), words)
-    words = f"{found.axial_percent:.1f} % against {by_direction} %"
-    findings.add_claim("robust", found.axial_percent < min(found.conical_percent), words)
+    findings.add_number("axial", axial, "screw kept from turning only")
+    findings.add_number("conical", max(conical), words)
+    words = f"{axial:.1f} % against {by_direction} %"
+    findings.add_claim("robust", axial < min(conical), words)
 
 
 def _compute_load_ratios(findings: ComputedEntryValues) -> None:
@@ -249,9 +235,9 @@ def _compute_load_ratios(findings: ComputedEntryValues) -> None:
     results = [solve_gear_at_tie_rod_angle(gear, angle) for angle in TIE_ROD]
     loads = np.array([largest_screw_and_bearing_loads(r) for r in results])
     bands = load_ratio_ranges(gear)
-    for k, key in enumerate(("screw", "bearing")):
+    for k, key in enumerate(PARTS):
         printed = findings.printed(f"ratio_{key}")
-        by_input = "; ".join(f"{b.changed_input} {_load_ratio_range_in_words(getattr(b, key), printed)}" for b in bands)
+        by_input = "; ".join(f"{name} {_load_ratio_range_in_words(band[k], printed)}" for (name, _), band in bands.items())
         words = f"over what is not printed, one at a time: {by_input}"
         findings.add_number(f"ratio_{key}", float(loads[-1, k] / loads[0, k]), words)
     over = ", ".join(f"{a:.0f} and {b:.0f} N at {t:.0f} deg" for (a, b), t in zip(loads, TIE_ROD, strict=True))
@@ -301,28 +287,10 @@ PINION_HOLDS = {"held but along the rack": ("ux", "uy", "rx", "ry", "rz"), "pinn
 OFFSETS, ANGLES = (-0.02, 0.0, 0.02), (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0)
 
 
-@dataclass(frozen=True)
-class LashDifferencesWithChangedInput:
-    """Differences of the lash between ball patterns, with one input changed that Lin does not print for his lash tests.
+def lash_difference_rows(scene: Scene) -> list[Row]:
+    """Return table rows of the lash differences between ball patterns, one input changed at a time that Lin does not print.
 
-    ``changed_input``: name of the input that differs; ``screw_outer_diameter``: [m]; ``nut_position``: axial position of
-    the nut's centre [m]; ``force_distance``: distance of the lateral force from the nut's centre [m];
-    ``left_end_restraint``: restraint of the screw's left end, a key of `RESTRAINTS`; ``differences``: differences of the
-    lash.
-    """
-
-    changed_input: str
-    screw_outer_diameter: float
-    nut_position: float
-    force_distance: float
-    left_end_restraint: str
-    differences: RelativeLashDifferences
-
-
-def lash_differences_by_changed_input(scene: Scene) -> Iterator[LashDifferencesWithChangedInput]:
-    """Yield the differences of lash between ball patterns, with one input that Lin leaves open changed at a time.
-
-    The first entry has the inputs of ``scene``. The lateral force stays on the longer side of the screw.
+    The first row has the inputs of ``scene``. The lateral force stays on the longer side of the screw.
     """
     usual = scene.screw.outer_diameter, scene.nut.position, REACH, "turning only"
     cases = [("as taken", usual)]
@@ -330,28 +298,24 @@ def lash_differences_by_changed_input(scene: Scene) -> Iterator[LashDifferencesW
     cases += [("position of the nut", (usual[0], 0.5 * scene.screw.length, *usual[2:]))]
     cases += [("distance of the lateral force", (*usual[:2], x, usual[3])) for x in REACHES if x != usual[2]]
     cases += [("restraint", (*usual[:3], name)) for name in RESTRAINTS if name != usual[3]]
+    rows: list[Row] = []
     for changed, (diameter, position, reach, restraint) in cases:
         screw, nut = replace(scene.screw, outer_diameter=diameter), replace(scene.nut, position=position)
-        found = relative_lash_differences(replace(scene, screw=screw, nut=nut), reach, RESTRAINTS[restraint])
-        yield LashDifferencesWithChangedInput(changed, diameter, position, reach, restraint, found)
-
-
-@dataclass(frozen=True)
-class GearLayoutLoadRatios:
-    """Largest contact load of the steering gear at a tie-rod angle of 18 deg divided by that at 0 deg, for one layout.
-
-    ``pinion_position``: axial position of the pinion [m]; ``pinion_restraint``: what the pinion restrains, a key of
-    `PINION_HOLDS`; ``side_forces_opposed``: whether the lateral forces of both tie rods have opposite directions;
-    ``bearing_offset``: axial distance of the bearing from the nut's centre [m]; ``screw``, ``bearing``: load ratios of ball
-    screw and bearing.
-    """
-
-    pinion_position: float
-    pinion_restraint: str
-    side_forces_opposed: bool
-    bearing_offset: float
-    screw: float
-    bearing: float
+        axial, conical = relative_lash_differences(replace(scene, screw=screw, nut=nut), reach, RESTRAINTS[restraint])
+        rows.append(
+            {
+                "varied_input": changed,
+                "screw_diameter": 1e3 * diameter,
+                "nut_position": 1e3 * position,
+                "lateral_force_distance": 1e3 * reach,
+                "left_end_restraint": restraint,
+                "axial_lash_difference": axial,
+                "smallest_conical_lash_difference": min(conical),
+                "largest_conical_lash_difference": max(conical),
+                "directions_with_smaller_axial": f"{sum(axial < x for x in conical)} of {len(conical)} directions",
+            }
+        )
+    return rows
 
 
 def change_gear_layout(gear: Assembly, pinion: float, pinion_restraint: str, offset: float) -> Assembly:
@@ -371,38 +335,35 @@ def change_gear_layout(gear: Assembly, pinion: float, pinion_restraint: str, off
     return replace(gear, supports=(held,), sets=tuple(sets))
 
 
-def load_ratios_of_all_layouts(gear: Assembly) -> Iterator[GearLayoutLoadRatios]:
-    """Yield the load ratios of the steering gear for every layout: largest contact load at 18 deg over that at 0 deg.
+def load_ratio_rows(gear: Assembly) -> list[Row]:
+    """Return table rows of the steering gear's load ratios for every layout: largest contact load at 18 deg over that at 0.
 
     The angles are those of the tie rods. A layout has a position and a restraint of the pinion, directions of both lateral
     forces, and an offset of the bearing. If the pinion restrains tilting of the rack, the lateral force of the tie rod
     beyond the pinion does not reach the nut, and only one direction of this force is solved.
     """
+    rows: list[Row] = []
     for hold in PINION_HOLDS:
         for opposed in (False, True)[: 1 if "rx" in PINION_HOLDS[hold] else 2]:
-            for offset in OFFSETS:
-                for pinion in PINIONS:
-                    layout = change_gear_layout(gear, pinion, hold, offset)
-                    screw, bearing = load_ratios_at_18_degrees(layout, side_forces_opposed=opposed)
-                    yield GearLayoutLoadRatios(pinion, hold, opposed, offset, screw, bearing)
+            for offset, pinion in product(OFFSETS, PINIONS):
+                layout = change_gear_layout(gear, pinion, hold, offset)
+                screw, bearing = load_ratios_at_18_degrees(layout, side_forces_opposed=opposed)
+                rows.append(
+                    {
+                        "pinion_restraint": hold,
+                        "lateral_force_directions": "opposed" if opposed else "alike",
+                        "bearing_distance": 1e3 * offset,
+                        "pinion_position": 1e3 * pinion,
+                        ("load_ratio_18_deg", "ball screw"): screw,
+                        ("load_ratio_18_deg", "bearing"): bearing,
+                    }
+                )
+    return rows
 
 
-@dataclass(frozen=True)
-class LoadRatioRange:
-    """Range of the steering gear's load ratios over one input that Lin does not print; all other inputs as in the scene.
-
-    A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg.
-    """
-
-    #: Name of the input that is varied.
-    changed_input: str
-    #: Range over which the input is varied, in words.
-    input_range: str
-    #: Smallest and largest load ratio of the ball screw over the range of the input.
-    screw: tuple[float, float]
-    #: Smallest and largest load ratio of the bearing over the range of the input.
-    bearing: tuple[float, float]
-
+#: Smallest and largest load ratio of the ball screw, then of the bearing, over the range of an input. A load ratio is the
+#: largest contact load at a tie-rod angle of 18 deg over that at 0 deg.
+Ranges = tuple[tuple[float, float], ...]
 
 #: Oversizes of the ball radius in bearing and screw [m]; azimuths of the bearing's first ball [deg], within a pitch of 40.
 BEARING_FITS, SCREW_FITS, FIRST = (-10e-6, -5e-6, 0.0, 2e-6), (-5e-6, 0.0, 5e-6), (0.0, 10.0, 20.0, 30.0)
@@ -440,68 +401,54 @@ def _rotate_balls_about_axis(scene: Scene, angle: float) -> Scene:
     return replace(scene, balls=replace(scene.balls, azimuths=azimuths))
 
 
-def gears_with_unprinted_inputs_varied(gear: Assembly) -> Iterator[tuple[str, str, list[tuple[Assembly, bool]]]]:
+def gears_with_unprinted_inputs_varied(gear: Assembly) -> Iterator[tuple[tuple[str, str], list[tuple[Assembly, bool]]]]:
     """Yield each input that Lin does not print and that changes the steering gear's load ratios, with gears over its range.
 
-    Each entry: name of the input; its range in words; list of pairs: the gear, and whether the lateral forces of both tie
-    rods have opposite directions.
+    Each entry: name of the input, with its range in words; list of pairs: the gear, and whether the lateral forces of both
+    tie rods have opposite directions.
     """
     (pinion,), (held, pinned) = gear.supports, PINION_HOLDS
 
-    def screw(changed: Assembly, change: Callable[..., Scene], **values: Any) -> Assembly:
-        """Return the gear ``changed`` with its ball screw changed by the function ``change``, called with ``values``."""
-        return _change_screw_or_bearing(changed, True, partial(change, **values))
-
-    def bearing(change: Callable[..., Scene], **values: Any) -> Assembly:
-        """Return the gear with its bearing changed by the function ``change``, called with ``values``."""
-        return _change_screw_or_bearing(gear, False, partial(change, **values))
-
-    def alike(gears: Iterable[Assembly]) -> list[tuple[Assembly, bool]]:
-        """Return pairs of each gear and False: the lateral forces of its two tie rods are not opposed."""
-        return [(one, False) for one in gears]
-
-    at_pinions = alike(change_gear_layout(gear, z, held, 0.0) for z in PINIONS)
-    yield "axial position of the pinion", "350 to 750 mm", at_pinions
+    bearing, screw = (partial(_change_screw_or_bearing, gear, of_nut) for of_nut in (False, True))
     across = change_gear_layout(gear, pinion.at, pinned, 0.0)
-    held_otherwise = [*alike((gear, across)), (across, True)]
-    words = f"{held}; {pinned}, alike or opposed"
-    yield "restraint by the pinion, directions of the lateral forces", words, held_otherwise
-    moved = alike(change_gear_layout(gear, pinion.at, held, x) for x in OFFSETS)
-    yield "distance of the bearing from the nut's centre", "-20 to 20 mm", moved
-    thick = alike(screw(_set_outer_diameter(gear, d), _set_outer_diameter, diameter=d) for d in DIAMETERS)
-    yield "outer diameter of the rack", "26 to 30 mm", thick
-    fits = alike(bearing(_enlarge_balls, excess=x) for x in BEARING_FITS)
-    yield "oversize of the bearing's ball radius", "-10 to 2 um", fits
-    fits = alike(screw(gear, _enlarge_balls, excess=x) for x in SCREW_FITS)
-    yield "oversize of the screw's ball radius", "-5 to 5 um", fits
-    turned = alike(bearing(_rotate_balls_about_axis, angle=x) for x in FIRST)
-    yield "azimuth of the bearing's first ball", "0 to 30 deg from the lateral force", turned
-    arranged = alike(screw(gear, arrange_balls_in_pattern, pattern=p) for p in PATTERNS)
-    yield "pattern of the screw's balls", ", ".join(PATTERNS), arranged
+    thick = [(_set_outer_diameter(gear, d), partial(_set_outer_diameter, diameter=d)) for d in DIAMETERS]
+    inputs: dict[tuple[str, str], list[Assembly]] = {
+        ("axial position of the pinion", "350 to 750 mm"): [change_gear_layout(gear, z, held, 0.0) for z in PINIONS],
+        ("restraint by the pinion, directions of the lateral forces", f"{held}; {pinned}, alike or opposed"): [
+            gear,
+            across,
+        ],
+        ("distance of the bearing from the nut's centre", "-20 to 20 mm"): [
+            change_gear_layout(gear, pinion.at, held, x) for x in OFFSETS
+        ],
+        ("outer diameter of the rack", "26 to 30 mm"): [
+            _change_screw_or_bearing(one, True, set_it) for one, set_it in thick
+        ],
+        ("oversize of the bearing's ball radius", "-10 to 2 um"): [
+            bearing(partial(_enlarge_balls, excess=x)) for x in BEARING_FITS
+        ],
+        ("oversize of the screw's ball radius", "-5 to 5 um"): [
+            screw(partial(_enlarge_balls, excess=x)) for x in SCREW_FITS
+        ],
+        ("azimuth of the bearing's first ball", "0 to 30 deg from the lateral force"): [
+            bearing(partial(_rotate_balls_about_axis, angle=x)) for x in FIRST
+        ],
+        ("pattern of the screw's balls", ", ".join(PATTERNS)): [
+            screw(partial(arrange_balls_in_pattern, pattern=p)) for p in PATTERNS
+        ],
+    }
+    for name, gears in inputs.items():  # opposed forces differ only where the pinion lets the rack tilt
+        yield name, [*((one, False) for one in gears), *([(across, True)] if across in gears else [])]
 
 
 @cache
-def load_ratio_ranges(gear: Assembly) -> tuple[LoadRatioRange, ...]:
+def load_ratio_ranges(gear: Assembly) -> dict[tuple[str, str], Ranges]:
     """Return the ranges of the steering gear's load ratios over inputs that Lin does not print, one varied at a time.
 
-    A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg. ``gear``: the steering gear
-    with the usual inputs.
+    The keys are the name of the input and its range in words. ``gear``: the steering gear with the usual inputs.
     """
-    out = []
-    for changed, values, gears in gears_with_unprinted_inputs_varied(gear):
-        ratios = (load_ratios_at_18_degrees(one, side_forces_opposed=opposed) for one, opposed in gears)
-        screw, bearing = zip(*ratios, strict=True)
-        out.append(LoadRatioRange(changed, values, (min(screw), max(screw)), (min(bearing), max(bearing))))
-    return tuple(out)
-
-
-def load_ratio_range_over_layouts(points: Sequence[GearLayoutLoadRatios]) -> LoadRatioRange:
-    """Return the range of the steering gear's load ratios over all its layouts; ``points``: load ratios of each layout."""
-    screw, bearing = [p.screw for p in points], [p.bearing for p in points]
-    words = "pinion position and restraint, force directions, bearing position, all combined"
-    return LoadRatioRange("layout as a whole", words, (min(screw), max(screw)), (min(bearing), max(bearing)))
-
-
-def largest_loads_over_tie_rod_angles(gear: Assembly) -> list[tuple[float, float]]:
-    """Return the largest contact loads [N] of the steering gear at each tie-rod angle of `ANGLES`: ball screw, bearing."""
-    return [largest_screw_and_bearing_loads(solve_gear_at_tie_rod_angle(gear, angle)) for angle in ANGLES]
+    out = {}
+    for name, gears in gears_with_unprinted_inputs_varied(gear):
+        ratios = [load_ratios_at_18_degrees(one, side_forces_opposed=opposed) for one, opposed in gears]
+        out[name] = tuple((min(of), max(of)) for of in zip(*ratios, strict=True))
+    return out

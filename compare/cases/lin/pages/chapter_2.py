@@ -83,26 +83,6 @@ def end_support_table(cache: SceneResultCache) -> Table:
 # --- case studies 1, 2, 3 of Lin 2.4.1: contact loads, centreline, influence of modelling choices
 
 
-def model_choice_rows(found: Sequence[chapter_2.Case1WithModelChoice]) -> list[Row]:
-    """Return the table rows of Lin's case 1, one for each modelling choice: loads, largest change, axial displacement.
-
-    ``found``: results by modelling choice, the default first.
-    """
-    return [
-        {
-            "modelling_choice": c.choice_in_words,
-            "largest_load": float(c.solution.load.max()),
-            "smallest_load": float(c.solution.load[:, 0].min()),
-            "load_ratio": chapter_2.load_ratio(c.solution.load[:, 0]),
-            "largest_change_f3": c.load_change.max_percent,
-            "rms_change_f3": c.load_change.rms_percent,
-            "screw_displacement": 1e6 * float(c.solution.centreline[0, 2]),
-            "status": c.solution.status,
-        }
-        for c in found
-    ]
-
-
 #: Words for the last parts of the names of case study 3's scenes, and for the flanks.
 END_WORDS = {"offset": "right end offset", "ux": "end held laterally in x only", "clamped": "end clamped"}
 SIDE_WORDS = dict(zip(SIDES, ("screw left", "screw right", "nut left", "nut right"), strict=True))
@@ -251,7 +231,7 @@ def cases_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
     """
     step("cases 1, 2 and 3 by four models")
     step("case 1 under each modelling choice")
-    rows = model_choice_rows(cache.compute_once(chapter_2.solve_case_1_by_model_choice))
+    rows = chapter_2.model_choice_rows(cache)
     offset = chapter_2.END_SUPPORTS[0].offset_scene
     return Section(
         "cases",

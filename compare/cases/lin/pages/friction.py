@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import product
 from math import degrees
 
 import numpy as np
@@ -364,15 +365,14 @@ def panels_over_ball_oversize(case: str, coupling: Coupling) -> list[Panel]:
     return panels
 
 
-def force_without_oversize_over_printed(case: str, coupling: Coupling) -> float:
-    """Return the ball-to-ball force of two balls without oversize divided by the printed force, at an axial load of 50 N.
+def force_without_oversize_over_printed(coupling: Coupling) -> float:
+    """Return the ball-to-ball force of two balls without oversize over the printed force: case (a), axial load of 50 N.
 
-    ``case``: case of Lin's Table 3.7, "a" or "b"; ``coupling``: which parts the friction displaces, as in
-    `panels_over_ball_oversize`.
+    ``coupling``: bodies that friction displaces, as in `screw.pair_results_over_oversize`.
     """
-    force, _ = screw.pair_results_over_oversize(case, coupling)
+    force, _ = screw.pair_results_over_oversize("a", coupling)
     at = int(np.argmin(np.abs(np.array(screw.OVERSIZE))))
-    return float(force[at, screw.AXIAL.index(LOAD)]) / printed_value("lin-3.7", f"force_{case}")
+    return float(force[at, screw.AXIAL.index(LOAD)]) / printed_value("lin-3.7", "force_a")
 
 
 def oversizes_at_printed_value_in_words(key: str) -> str:
@@ -413,9 +413,9 @@ def force_over_ball_oversize_figure() -> Figure:
         f"{screw.THETA['a']:g}° and {screw.THETA['b']:g}°. Beyond the bend of a curve, all four contacts of a ball are "
         "loaded: the force grows with the oversize, the relative increase of friction falls. "
         f"Without oversize, at {LOAD:g} N and θ = {screw.THETA['a']:g}°, the force is "
-        f"{force_without_oversize_over_printed('a', 'ball') / force_without_oversize_over_printed('a', 'none'):.1f} times "
+        f"{force_without_oversize_over_printed('ball') / force_without_oversize_over_printed('none'):.1f} times "
         "as large if friction displaces the balls, and then "
-        f"{force_without_oversize_over_printed('a', 'ball'):.2f} times the printed force. The curves of {LOAD:g} N reach "
+        f"{force_without_oversize_over_printed('ball'):.2f} times the printed force. The curves of {LOAD:g} N reach "
         f"the printed forces at an oversize of {oversizes_at_printed_value_in_words('force')}, and the printed increases "
         f"of friction at {oversizes_at_printed_value_in_words('increase')}. Inferred from both, and used in the other "
         f"figures: an oversize of {1000000.0 * source_cases.oversized_pair().oversize:g} µm at "
@@ -441,10 +441,8 @@ def first_load_angle_beyond_two_contacts(found: BearingStates) -> float:
 def bearing_torque_figure() -> Figure:
     """Draw Lin's Figure 4.7: friction torque of a four-point and a double-row bearing over the load angle."""
     curves = [
-        ("four-point, tilt free", screw.torque_over_load_angle("4P", True)),
-        ("four-point, tilt held", screw.torque_over_load_angle("4P", False)),
-        ("double row, tilt free", screw.torque_over_load_angle("DR", True)),
-        ("double row, tilt held", screw.torque_over_load_angle("DR", False)),
+        (f"{words}, tilt {how}", screw.torque_over_load_angle(kind, how == "free"))
+        for (kind, words), how in product((("4P", "four-point"), ("DR", "double row")), ("free", "held"))
     ]
     x, label = floats(np.degrees(screw.ANGLES)), "load angle / deg"
 
@@ -577,15 +575,6 @@ def ball_contact_onset_table(cache: SceneResultCache) -> Table:
     return Table.from_rows("friction-onset", title, screw.ball_contact_onset_rows(cache), note)
 
 
-def screw_friction_introduction(pairs: Table, simulations: Table) -> Text:
-    """Return the introduction to the results on friction of two touching balls and of a whole ball screw.
-
-    ``pairs``: table of two balls, a row for each interpretation; ``simulations``: table of the whole-screw simulations, a
-    row for each assumption.
-    """
-    return Text((_ball_pair_paragraph(pairs), _simulation_paragraph(simulations)))
-
-
 def _ball_pair_paragraph(pairs: Table) -> str:
     """Return the paragraph on the contact loads of two balls in Lin's Table 3.7.
 
@@ -647,5 +636,5 @@ def screw_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
     return Section(
         "friction-screw",
         "Lin 3.4 and 4.3: friction in a ball screw and in two bearings",
-        (screw_friction_introduction(pairs[0], whole[2]), *pairs, *whole, *last),
+        (Text((_ball_pair_paragraph(pairs[0]), _simulation_paragraph(whole[2]))), *pairs, *whole, *last),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.results.load_curve import LoadCurve
 from rollbench.meshes.parts import Scene
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
+from rollbench.reports.content import Cell, Figure, Panel, Row, Section, Series, Table, Text
 
 ABOUT = (
     "Lash: displacement of the screw under a force that reverses. Axial test: force along the axis at the end of the "
@@ -72,54 +72,30 @@ def _lash_displacement_curve(name: str, lash_test: LoadCurve) -> Series:
     return Series(name, [f for f, _ in known], [u for _, u in known], "line")
 
 
-def lash_difference_rows(scene: Scene) -> list[Row]:
-    """Return table rows of the lash differences between ball patterns, one input changed at a time that Lin does not print.
-
-    ``scene``: the ball screw with the usual inputs.
-    """
-    return [
-        {
-            "varied_input": p.changed_input,
-            "screw_diameter": 1e3 * p.screw_outer_diameter,
-            "nut_position": 1e3 * p.nut_position,
-            "lateral_force_distance": 1e3 * p.force_distance,
-            "left_end_restraint": p.left_end_restraint,
-            "axial_lash_difference": p.differences.axial_percent,
-            "smallest_conical_lash_difference": min(p.differences.conical_percent),
-            "largest_conical_lash_difference": max(p.differences.conical_percent),
-            "directions_with_smaller_axial": _directions_with_smaller_axial_difference(p.differences),
-        }
-        for p in steering.lash_differences_by_changed_input(scene)
-    ]
-
-
-def _directions_with_smaller_axial_difference(found: steering.RelativeLashDifferences) -> str:
-    """Return in words for how many directions of the lateral force the axial test's difference is the smaller one.
-
-    ``found``: differences of the lash between ball patterns, by the axial test and by the conical test (lateral force).
-    """
-    count = sum(found.axial_percent < x for x in found.conical_percent)
-    return f"{count} of {len(found.conical_percent)} directions"
-
-
-def steering_gear_figure(layout_ratios: list[steering.GearLayoutLoadRatios]) -> Figure:
+def steering_gear_figure(layout_ratios: Sequence[Row]) -> Figure:
     """Draw load ratios of the steering gear over the pinion's position, and largest contact loads over the tie-rod angle.
 
-    A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg. ``layout_ratios``: load ratios
-    of all layouts.
+    A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg. ``layout_ratios``: table rows
+    of the load ratios of all layouts; those with the bearing at the nut's centre are drawn.
     """
     gear = shipped_steering_gear()
     panels = []
-    for key, words in (("screw", "ball screw"), ("bearing", "four-point bearing")):
+    centred = [row for row in layout_ratios if row["bearing_distance"] == 0.0]
+    for (key, part), words in zip(steering.PARTS.items(), ("ball screw", "four-point bearing"), strict=True):
         printed = printed_value("lin-4.2.1", f"ratio_{key}")
         stations = [1e3 * z for z in steering.PINIONS]
         series = [Series("printed", stations, [printed] * len(stations), "line", bold=True)]
-        for (hold, opposed), layout in _group_ratios_by_layout(layout_ratios).items():
-            label = hold + (", side forces opposed" if opposed else "")
-            series.append(Series(label, stations, [getattr(p, key) for p in layout], "line"))
+        layouts: dict[tuple[Cell, Cell], list[float]] = {}
+        for row in centred:
+            layout = row["pinion_restraint"], row["lateral_force_directions"]
+            layouts.setdefault(layout, []).append(float(row["load_ratio_18_deg", part] or 0.0))
+        for (hold, directions), ratios in layouts.items():
+            label = f"{hold}{', side forces opposed' if directions == 'opposed' else ''}"
+            series.append(Series(label, stations, ratios, "line"))
         x, y = "position of the pinion / mm", "load at 18 deg over that at 0 deg"
         panels.append(Panel(f"load ratio of the {words}", x, y, series, include_zero=True))
-    loads = steering.largest_loads_over_tie_rod_angles(gear)
+    results = [steering.solve_gear_at_tie_rod_angle(gear, angle) for angle in steering.ANGLES]
+    loads = [steering.largest_screw_and_bearing_loads(result) for result in results]
     for k, words in enumerate(("ball screw", "four-point bearing")):
         curve = Series("usual inputs", steering.ANGLES, [pair[k] for pair in loads])
         title, x = f"largest contact load of the {words}", "tie-rod angle / deg"
@@ -132,50 +108,20 @@ def steering_gear_figure(layout_ratios: list[steering.GearLayoutLoadRatios]) -> 
     return Figure("rack", title, panels, caption)
 
 
-def _group_ratios_by_layout(
-    layout_ratios: list[steering.GearLayoutLoadRatios],
-) -> dict[tuple[str, bool], list[steering.GearLayoutLoadRatios]]:
-    """Group the steering gear's load ratios by restraint of the pinion and direction of the tie rods' lateral forces.
-
-    The keys are pairs: restraint of the pinion; whether the lateral forces of both tie rods have opposite directions.
-    ``layout_ratios``: load ratios of all layouts; only those with the bearing at the nut's centre are grouped.
-    """
-    out: dict[tuple[str, bool], list[steering.GearLayoutLoadRatios]] = {}
-    for p in layout_ratios:
-        if p.bearing_offset == 0.0:
-            out.setdefault((p.pinion_restraint, p.side_forces_opposed), []).append(p)
-    return out
-
-
-def load_ratio_rows(layout_ratios: list[steering.GearLayoutLoadRatios]) -> list[Row]:
-    """Return the table rows of the steering gear's load ratios, one for each layout in ``layout_ratios``.
-
-    A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg.
-    """
-    return [
-        {
-            "pinion_restraint": p.pinion_restraint,
-            "lateral_force_directions": "opposed" if p.side_forces_opposed else "alike",
-            "bearing_distance": 1e3 * p.bearing_offset,
-            "pinion_position": 1e3 * p.pinion_position,
-            ("load_ratio_18_deg", "ball screw"): p.screw,
-            ("load_ratio_18_deg", "bearing"): p.bearing,
-        }
-        for p in layout_ratios
-    ]
-
-
-def load_ratio_range_rows(layout_ratios: list[steering.GearLayoutLoadRatios]) -> list[Row]:
+def load_ratio_range_rows(layout_ratios: Sequence[Row]) -> list[Row]:
     """Return the table rows of the ranges of the steering gear's load ratios, one for each input that Lin does not print.
 
-    A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg. ``layout_ratios``: load ratios
-    of all layouts; the last row has their range.
+    A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg. ``layout_ratios``: table rows
+    of the load ratios of all layouts; the last row has their range.
     """
+    every = [[float(row["load_ratio_18_deg", words] or 0.0) for row in layout_ratios] for words in steering.PARTS.values()]
+    whole = "layout as a whole", "pinion position and restraint, force directions, bearing position, all combined"
+    ranges = steering.load_ratio_ranges(shipped_steering_gear()) | {whole: tuple((min(of), max(of)) for of in every)}
     rows = []
-    for b in (*steering.load_ratio_ranges(shipped_steering_gear()), steering.load_ratio_range_over_layouts(layout_ratios)):
-        row: Row = {"varied_input": b.changed_input, "input_range": b.input_range}
-        for key, words in (("screw", "ball screw"), ("bearing", "bearing")):
-            (low, high), printed = getattr(b, key), printed_value("lin-4.2.1", f"ratio_{key}")
+    for (changed, over), bands in ranges.items():
+        row: Row = {"varied_input": changed, "input_range": over}
+        for (key, words), (low, high) in zip(steering.PARTS.items(), bands, strict=True):
+            printed = printed_value("lin-4.2.1", f"ratio_{key}")
             inside = steering.rounded_value_lies_in_range((low, high), printed)
             row |= {
                 ("smallest_load_ratio_18_deg", words): low,
@@ -195,9 +141,9 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     scene = cache.built_in_scene(SCREW)
     cache.record_used_scenes((RACK, *steering.PATTERNS.values()))
     figures = [lash_figure(scene)]
-    lash = lash_difference_rows(scene)
+    lash = steering.lash_difference_rows(scene)
     step("steering gear")
-    points = list(steering.load_ratios_of_all_layouts(shipped_steering_gear()))
+    points = steering.load_ratio_rows(shipped_steering_gear())
     figures.append(steering_gear_figure(points))
     return Section(
         "steering",
@@ -219,7 +165,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
             Table.from_rows(
                 "rack-layouts",
                 "Steering gear (Lin 4.2): load ratio (largest load at 18° over that at 0°) for each layout",
-                load_ratio_rows(points),
+                points,
                 SENSE,
             ),
         ),

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import product
 
 from rollbench.compare.case import CASES
 from rollbench.compare.cases.lin.evidence import chapter_2
 from rollbench.compare.cases.lin.evidence.rotary_linear import solve_linear_ball_pair
 from rollbench.compare.cases.lin.evidence.source_cases import finest_rolling_run
 from rollbench.compare.cases.lin.pages.friction import bearing_torque_figure, rotary_bearing_torque_figure
-from rollbench.compare.cases.lin.times import LINEAR, SCREW, STATIC, ModelRunTimes, stored_run_times
+from rollbench.compare.cases.lin.times import LINEAR, SCREW, STATIC, stored_run_times
 from rollbench.compare.evidence import PrintedEntryComparison, evidence
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.study import SceneResultCache, with_conformity
@@ -44,20 +45,17 @@ TIMED |= {
 }
 TIMED |= {f"lin-3.7:time_{case}": (name, "numerical") for case, name in SCREW.items()}
 TIMED |= {f"lin-3.7:time_ansys_{case}": (name, "3D") for case, name in SCREW.items()}
+#: Names of the printed numbers of elements, by scene and model.
+SIZES = {(name, "lin"): "lin-2.2:elements_proposed" for name in STATIC.values()}
+SIZES |= {(name, "3D"): "lin-2.2:elements_ansys" for name in STATIC.values()}
+SIZES |= {(name, "3D"): "lin-3.5:elements_ansys" for name in LINEAR.values()}
+SIZES |= {(name, "3D"): f"lin-3.7:elements_{case}" for case, name in SCREW.items()}
 
 
 def printed_run_time_seconds(name: str) -> float:
     """Return a printed run time [s]; ``name``: table and key of the printed number, such as "lin-2.2:time_ansys_1"."""
     one = printed_entry(*name.split(":"))
     return UNITS[one.unit] * (one.value or 0.0)
-
-
-def printed_element_count(table: str, key: str) -> str:
-    """Return a number of finite or beam elements that Lin's thesis prints, as text.
-
-    ``table``: name of the printed table, such as "lin-2.2"; ``key``: key of the number in it, such as "elements_ansys".
-    """
-    return f"{printed_value(table, key):,.0f}"
 
 
 def model_size_in_3d_in_words(cache: SceneResultCache, name: str) -> str:
@@ -83,21 +81,12 @@ def beam_element_count_in_words(cache: SceneResultCache, name: str) -> str:
     return f"{count} ({chapter_2.lin_beam_element_count(cache)} with Lin's partition)"
 
 
-def printed_and_own_model_size(cache: SceneResultCache, name: str, model: str) -> tuple[str, str]:
-    """Return in words the printed size of a model whose run time is printed, then the size of this package's model.
+def model_size_in_words(cache: SceneResultCache, name: str, model: str) -> str:
+    """Return in words the size of this package's model of a scene; ``model``: "lin" (static model) or "3D".
 
-    Both texts state a number of elements, unknowns or cells; they are empty if the model has none. ``name``: name of the
-    scene; ``model``: "lin" (static model), "numerical" (friction model of two balls), "formula" (Lin's formula) or "3D".
-    ``cache``: gives the solved scenes.
+    ``cache``: gives solved scenes and stored 3D results; ``name``: name of the scene.
     """
-    if model == "lin":
-        return printed_element_count("lin-2.2", "elements_proposed"), beam_element_count_in_words(cache, name)
-    if model != "3D":
-        return "", ""
-    table, key = ("lin-2.2", "elements_ansys") if name in STATIC.values() else ("lin-3.5", "elements_ansys")
-    if name in SCREW.values():
-        table, key = "lin-3.7", f"elements_{name[-1]}"
-    return printed_element_count(table, key), model_size_in_3d_in_words(cache, name)
+    return (beam_element_count_in_words if model == "lin" else model_size_in_3d_in_words)(cache, name)
 
 
 def run_time_ratio(slow_seconds: float | None, fast_seconds: float | None) -> float | None:
@@ -121,22 +110,20 @@ def run_times_table(
     for label, head, name in names:
         scene, way = TIMED[name]
         printed, own = found[name].printed, stored_run_times(cache, scene, way)
-        solid, slow = (ModelRunTimes(), None) if way == "3D" else (stored_run_times(cache, scene, "3D"), ansys[scene])
-        printed_elements, elements = printed_and_own_model_size(cache, scene, way)
+        solid, slow = ((None, None), None) if way == "3D" else (stored_run_times(cache, scene, "3D"), ansys[scene])
+        size = SIZES.get((scene, way))
         rows.append(
             {
                 "printed_row": label,
                 "printed_column": head,
                 "printed_run_time": f"{printed.number_as_printed} {printed.unit}",
                 "printed_time_ratio": run_time_ratio(slow, printed_run_time_seconds(name)),
-                "cold_start": own.cold_start_seconds,
-                "further_load_case": own.further_load_case_seconds,
-                ("time_ratio_here", "cold start"): run_time_ratio(solid.cold_start_seconds, own.cold_start_seconds),
-                ("time_ratio_here", "further load case"): run_time_ratio(
-                    solid.further_load_case_seconds, own.further_load_case_seconds
-                ),
-                "printed_elements": printed_elements,
-                "elements": elements,
+                "cold_start": own[0],
+                "further_load_case": own[1],
+                ("time_ratio_here", "cold start"): run_time_ratio(solid[0], own[0]),
+                ("time_ratio_here", "further load case"): run_time_ratio(solid[1], own[1]),
+                "printed_elements": f"{printed_value(*size.split(':')):,.0f}" if size else "",
+                "elements": model_size_in_words(cache, scene, way) if size else "",
                 "verdict": VERDICT_NAMES[found[name].verdict],
                 "how": f"how-{printed.table}",
             }
@@ -146,69 +133,32 @@ def run_times_table(
     return Table.from_rows(layout.stem("times"), title, rows, note, unfolded=True)
 
 
-def error_percent_or_none(value: float | None, reference: float | None) -> float | None:
-    """Return the error [%] of ``value`` against ``reference``; None if one of them is None."""
-    return None if value is None or reference is None else float(error_percent(value, reference))
+def further_cells(cache: SceneResultCache) -> dict[str, Row]:
+    """Return further cells of the report's copies of Lin's tables, by name of the printed number beside which they stand.
 
-
-def table_3_4_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Return further cells for the report's copy of Lin's Table 3.4, by name of the printed number beside which they stand.
-
-    The cells contain velocity deviations [%] under the contact loads that section 3.3.4.1 of the thesis assumes, equal at
-    both contacts of each diagonal. ``cache``: not used here.
+    For Tables 3.4 and 3.5: velocity deviations [%] and ball-to-ball force [N] under the contact loads that section 3.3.4.1
+    of the thesis assumes, equal at both contacts of each diagonal; for Tables 3.5 and 3.7: printed differences from ANSYS
+    [%]; for Table B.1: correct values for the groove with which Lin computed the table (his Table 2.1 states another one).
+    ``cache``: gives the solved scenes.
     """
-    found = {case: 100.0 * solve_linear_ball_pair(loads="diagonal", mated=case == "b").velocity_deviation for case in "ab"}
-    cells = {(case, k): float(value[k - 1]) for case, value in found.items() for k in (1, 2)}
-    return {
-        f"lin-3.4:{c}_eps{k}_numerical": {"value_at_equal_loads": x if abs(x) > 1e-9 else 0.0}
-        for (c, k), x in cells.items()
-    }
-
-
-def table_3_5_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Return further cells for the report's copy of Lin's Table 3.5, by name of the printed number beside which they stand.
-
-    The cells contain printed differences from ANSYS [%], and the ball-to-ball force [N] under the contact loads that
-    section 3.3.4.1 of the thesis assumes, equal at both contacts of each diagonal. ``cache``: not used here.
-    """
+    cells: dict[str, Row] = {}
+    for case, k in product("ab", (1, 2)):
+        value = 100.0 * float(solve_linear_ball_pair(loads="diagonal", mated=case == "b").velocity_deviation[k - 1])
+        cells[f"lin-3.4:{case}_eps{k}_numerical"] = {"value_at_equal_loads": value if abs(value) > 1e-9 else 0.0}
     low, ansys = (printed_value("lin-3.5", f"a_force_{way}") for way in ("analytic", "ansys"))
-    numerical: Row = {
+    cells["lin-3.5:a_force_numerical"] = {
         "lin_difference_from_ansys": printed_value("lin-3.5", "error_numerical"),
         "value_at_equal_loads": solve_linear_ball_pair(loads="diagonal").ball_to_ball_force,
     }
-    formula: Row = {"lin_difference_from_ansys": error_percent_or_none(low, ansys)}
-    return {"lin-3.5:a_force_numerical": numerical, "lin-3.5:a_force_analytic": formula}
-
-
-def table_3_7_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Return further cells for the report's copy of Lin's Table 3.7, by name of the printed force beside which they stand.
-
-    The cells contain printed differences from ANSYS [%]. ``cache``: not used here.
-    """
-    return {
-        f"lin-3.7:force_{case}": {"lin_difference_from_ansys": printed_value("lin-3.7", f"difference_{case}")}
-        for case in SCREW
-    }
-
-
-def table_b_1_extra_cells(cache: SceneResultCache) -> dict[str, Row]:
-    """Return further cells for the report's copy of Lin's Table B.1, by name of the printed number beside which they stand.
-
-    The cells contain the correct values for the groove with which Lin computed the table; his Table 2.1 states another
-    groove. ``cache``: gives the solved scenes.
-    """
+    cells["lin-3.5:a_force_analytic"] = {"lin_difference_from_ansys": float(error_percent(low, ansys))}
+    for case in SCREW:
+        off = printed_value("lin-3.7", f"difference_{case}")
+        cells[f"lin-3.7:force_{case}"] = {"lin_difference_from_ansys": off}
     scene = with_conformity(cache.built_in_scene("lin-case1"), chapter_2.TABLE_CONFORMITY)
     column = "value_at_conformity", f"{chapter_2.TABLE_CONFORMITY:g}"
-    return {f"lin-B1:{key}": {column: value} for key, value in chapter_2.correct_values_of_table_b_1(scene).items()}
+    return cells | {f"lin-B1:{k}": {column: x} for k, x in chapter_2.correct_values_of_table_b_1(scene).items()}
 
 
-#: Functions that return further cells, by number of the table.
-MORE: Mapping[str, Callable[[SceneResultCache], dict[str, Row]]] = {
-    "3.4": table_3_4_extra_cells,
-    "3.5": table_3_5_extra_cells,
-    "3.7": table_3_7_extra_cells,
-    "B.1": table_b_1_extra_cells,
-}
 #: Lin's statements on run times, by number of the table.
 SPEED = {
     "2.2": "over 6800 times faster (2.4.1.4)",
@@ -262,18 +212,13 @@ def run_time_and_size_texts(cache: SceneResultCache) -> dict[str, str]:
 
     def run_times_in_words(name: str, model: str) -> str:
         """Return in words the run times of the scene ``name`` by the model ``model``, as in `stored_run_times`."""
-        found = stored_run_times(cache, name, model)
-        if found.cold_start_seconds is None:
-            return "–"
-        return f"{found.cold_start_seconds:.3g} s cold, {found.further_load_case_seconds or 0.0:.2g} s further"
+        cold, further = stored_run_times(cache, name, model)
+        return "–" if cold is None else f"{cold:.3g} s cold, {further or 0.0:.2g} s further"
 
     out = {name: run_times_in_words(*of) for name, of in TIMED.items()}
-    out |= {
-        "lin-2.2:elements_proposed": beam_element_count_in_words(cache, STATIC[1]),
-        "lin-2.2:elements_ansys": model_size_in_3d_in_words(cache, STATIC[1]),
-    }
-    out |= {f"lin-3.7:elements_{case}": model_size_in_3d_in_words(cache, name) for case, name in SCREW.items()}
-    return out | {"lin-3.5:elements_ansys": model_size_in_3d_in_words(cache, LINEAR["a"])}
+    for of, name in SIZES.items():  # of several scenes with one printed number, the first one counts
+        out.setdefault(name, model_size_in_words(cache, *of))
+    return out
 
 
 # --- figures
@@ -286,16 +231,25 @@ def case_study_loads_figure(cache: SceneResultCache) -> Figure:
 
     ``cache``: gives solved scenes and stored 3D references.
     """
-    panels = []
-    for k, name in {1: STATIC[1], 2: STATIC[2], 3: chapter_2.END_SUPPORTS[0].offset_scene}.items():
+    panels, case_3 = [], chapter_2.END_SUPPORTS[0]
+    plain, offset = (cache.solve_once(name) for name in (case_3.plain_scene, case_3.offset_scene))
+    printed = [printed_value("lin-2.4.1", "case1_ratio") * float(cache.solve_once("lin-case1").load[:, 0].min())] * 2
+    rise = float(cache.solve_once("lin-case2").load[16, 0])
+    statements = (
+        [
+            contact_load_curve("Mei: uniformly decreasing", cache.solve_once("lin-case1", "mei"), 0, "line"),
+            Series("printed: largest is 1.34 times the smallest", [1.0, 32.0], printed, "line"),
+        ],
+        [Series("printed: abrupt increase at ball 17 alone", [17.0], [rise], "markers")],
+        [contact_load_curve("low-order, no offset", plain, 0, "line")],
+    )
+    studies = zip((STATIC[1], STATIC[2], case_3.offset_scene), statements, strict=True)
+    for k, (name, of_text) in enumerate(studies, start=1):
         low, found = cache.solve_once(name), cache.stored_reference(name)
         series = [contact_load_curve("low-order (Lin's model)", low, 0, emphasis=True)]
         if found is not None:
             series.append(contact_load_curve(f"3D reference, level {found.best.level}", found, 0, "line"))
-        panels.append(contact_load_panel(f"case study {k}, flank SL", *series, *MARKS[k](cache)))
-    plain, offset = (
-        cache.solve_once(name) for name in (chapter_2.END_SUPPORTS[0].plain_scene, chapter_2.END_SUPPORTS[0].offset_scene)
-    )
+        panels.append(contact_load_panel(f"case study {k}, flank SL", *series, *of_text))
     last = Series("printed: SR and NL of the last few balls increase most", [32.0], [float(offset.load[31, 1])], "markers")
     curves = (
         contact_load_curve("SR, offset of 300 µm", offset, 1, emphasis=True),
@@ -309,41 +263,6 @@ def case_study_loads_figure(cache: SceneResultCache) -> Figure:
     )
     title = "Lin's case studies: contact load of each ball, computed, and as Lin's text describes it"
     return Figure("lin-loads", title, tuple(panels), caption)
-
-
-def _case_1_statement_curves(cache: SceneResultCache) -> list[Series]:
-    """Return the curve of case 1's contact loads by Mei's model, and a line at the smallest load times the printed ratio.
-
-    The ratio is that of the largest to the smallest load. ``cache``: gives the solved scenes.
-    """
-    load = cache.solve_once("lin-case1").load[:, 0]
-    printed = printed_value("lin-2.4.1", "case1_ratio") * float(load.min())
-    mei = contact_load_curve("Mei: uniformly decreasing", cache.solve_once("lin-case1", "mei"), 0, "line")
-    return [mei, Series("printed: largest is 1.34 times the smallest", [1.0, 32.0], [printed, printed], "line")]
-
-
-def _case_2_statement_curves(cache: SceneResultCache) -> list[Series]:
-    """Return a marker at ball 17 of case 2, whose contact load rises according to Lin's text.
-
-    ``cache``: gives the solved scenes.
-    """
-    load = cache.solve_once("lin-case2").load
-    return [Series("printed: abrupt increase at ball 17 alone", [17.0], [float(load[16, 0])], "markers")]
-
-
-def _case_3_statement_curves(cache: SceneResultCache) -> list[Series]:
-    """Return, in a list, the curve of contact loads that Lin's text describes for case 3 without lateral offset.
-
-    ``cache``: gives the solved scenes.
-    """
-    return [contact_load_curve("low-order, no offset", cache.solve_once(chapter_2.END_SUPPORTS[0].plain_scene), 0, "line")]
-
-
-MARKS: Mapping[int, Callable[[SceneResultCache], list[Series]]] = {
-    1: _case_1_statement_curves,
-    2: _case_2_statement_curves,
-    3: _case_3_statement_curves,
-}
 
 
 def error_over_cell_size_figure(cache: SceneResultCache) -> Figure:
@@ -449,7 +368,7 @@ def case_study_answer_table(cache: SceneResultCache) -> Table:
         study = str(row["case_study"])
         if row["model"] == "lin" and study in ("1", "2", "3", "3 without offset"):
             printed = study in ("1", "2", "3")
-            seconds = stored_run_times(cache, STATIC[int(study)], "lin").cold_start_seconds if printed else None
+            seconds = stored_run_times(cache, STATIC[int(study)], "lin")[0] if printed else None
             rows.append(
                 {
                     "case_study": study,
@@ -565,9 +484,9 @@ def printed_table_section(
     else:
         if layout.kind == "results":
             items.append(source_tables.printed_and_computed_table_in_layout(layout, found, run_time_and_size_texts(cache)))
-        more = MORE[layout.number](cache) if layout.number in MORE else {}
         reasons = {name: reason_for_missing_3d_value(name) for name in layout.names}
         note = NOTES.get(layout.number, "")
+        more = {name: cells for name, cells in cache.compute_once(further_cells).items() if name in layout.names}
         items.append(source_tables.printed_and_computed_table(layout, found, more, reasons, list(TIMED), note))
         if any(name in TIMED for name in layout.names):
             items.append(run_times_table(cache, layout, found))

@@ -6,7 +6,6 @@ Smith's formula for springs in series.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -115,27 +114,14 @@ def solve_by_formulas(
 
 
 def solve_by_beam_model(
-    cache: SceneResultCache, layout: SupportBearingLayout, nut_position: float
-) -> EndThrustsAndAxisStiffness:
-    """Return the thrust on both end supports and the stiffness of a screw axis, by a beam model with contacts.
-
-    Each bearing row acts at its actual axial position.
-
-    ``cache``: caches the result; ``layout``: support bearings of the axis; ``nut_position``: position of the nut over the
-    length between the supports.
-    """
-    return cache.compute_once(_solve_layout_scene, layout, nut_position)
-
-
-def _solve_layout_scene(
     cache: SceneResultCache,  # noqa: ARG001 - `compute_once` passes it
     layout: SupportBearingLayout,
     nut_position: float,
 ) -> EndThrustsAndAxisStiffness:
-    """Solve the scene of a screw axis by the beam model under a load at the nut; AssertionError without convergence.
+    """Return the thrust on both end supports and the stiffness of a screw axis, by a beam model with contacts.
 
-    ``layout``: support bearings of the axis; ``nut_position``: position of the nut over the length between the supports.
-    ``cache``: not used here.
+    Each bearing row acts at its actual axial position. ``layout``: support bearings of the axis; ``nut_position``: position
+    of the nut over the length between the supports; ``cache``: not used here. AssertionError without convergence.
     """
     found = catalogue.shipped_scene(layout.scene_name)
     if not isinstance(found, Assembly):
@@ -176,24 +162,10 @@ def results_in_words(cache: SceneResultCache, layout: SupportBearingLayout) -> s
 
     ``cache``: gives the solved scenes; ``layout``: support bearings of the axis.
     """
-    scene, closed = solve_by_beam_model(cache, layout, 0.5), solve_by_formulas(layout, 0.5)
+    scene, closed = cache.compute_once(solve_by_beam_model, layout, 0.5), solve_by_formulas(layout, 0.5)
     ends = [f"{x.left_thrust / bearings.POUND:.0f} and {x.right_thrust / bearings.POUND:.0f} lbf" for x in (scene, closed)]
     stiff = [f"{x.axis_stiffness / bearings.POUND_PER_INCH / 1e6:.3f}e6 lbf/in" for x in (scene, closed)]
     return f"by the beam model the ends carry {ends[0]} ({stiff[0]} without the nut), by formulas {ends[1]} ({stiff[1]})"
-
-
-def compare_beam_model_with_formulas(
-    cache: SceneResultCache,
-) -> Iterator[tuple[SupportBearingLayout, float, EndThrustsAndAxisStiffness, EndThrustsAndAxisStiffness]]:
-    """Yield the thrust on both end supports and the stiffness of the screw axis, by beam model and by closed formulas.
-
-    There is an entry for each bearing layout and each position of the nut: layout; position of the nut over the length
-    between the supports; thrusts and stiffness by the beam model of its scene; the same by closed formulas. ``cache``:
-    gives the solved scenes.
-    """
-    for layout in LAYOUTS:
-        for place in PLACES:
-            yield layout, place, solve_by_beam_model(cache, layout, place), solve_by_formulas(layout, place)
 
 
 #: Lead [m] and rapid traverse [m/s] of the tested axis, section 5.1 of Smith's thesis.
@@ -307,7 +279,7 @@ def section_4_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     findings.add_claim("middle", abs(at - 0.5) < 0.01, f"least at {at:.2f} L")
     ratio = both_ends / one
     middle = float(ratio[ratio.size // 2])
-    scenes = [solve_by_beam_model(cache, x, 0.5).axis_stiffness for x in (TRIPLEX, SUPPORTED)]
+    scenes = [cache.compute_once(solve_by_beam_model, x, 0.5).axis_stiffness for x in (TRIPLEX, SUPPORTED)]
     words = f"ratio {ratio.min():.2f} to {ratio.max():.0f}, {middle:.1f} in the middle"
     words += f"; by the beam model, fixed at both ends over fixed at one, {scenes[0] / scenes[1]:.2f} in the middle"
     findings.add_claim("supported", bool(np.all(ratio > 1.0)), words)

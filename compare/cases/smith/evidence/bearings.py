@@ -533,18 +533,13 @@ def _compute_taper_spreadsheet(findings: ComputedEntryValues) -> None:
     words = f"3.20 with the printed eps {radial:.3g} in"
     findings.add_number("delta_r", taper_displacements()[1] / INCH, words, as_printed=radial)
     slopes, printed = [taper_stiffness(f) for f in ENDS], [taper_sheet_stiffness(f) for f in ENDS]
-    growth = [float(error_percent(v[1], v[0])) for v in (slopes, printed)]
+    balls = [float(ball_bearing_state(f * POUND).stiffness) for f in ENDS]
+    *growth, of_balls = (float(error_percent(high, low)) for low, high in (slopes, printed, balls))
     words = (
         f"stiffness grows from {ENDS[0]:.0f} to {ENDS[1]:.0f} lbf by {growth[0]:.0f} % (3.19: {growth[1]:.0f} %); "
-        f"that of the ball bearing by {_ball_bearing_stiffness_growth_percent():.0f} %"
+        f"that of the ball bearing by {of_balls:.0f} %"
     )
     findings.add_claim("linear", max(growth) < 5.0, words)
-
-
-def _ball_bearing_stiffness_growth_percent() -> float:
-    """Return the growth [%] of the ball bearing's stiffness between the thrusts `ENDS`, 500 and 2500 lbf."""
-    low, high = (float(ball_bearing_state(f * POUND).stiffness) for f in ENDS)
-    return float(error_percent(high, low))
 
 
 def _compute_taper_contacts(findings: ComputedEntryValues) -> None:

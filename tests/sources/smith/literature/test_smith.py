@@ -28,7 +28,7 @@ def test_as_printed_in_that_mode_only(key: str) -> None:
     """Comes out with the faults repeated; the right value stands beside it and is another one."""
     f = found(key)
     assert f.verdict == "only as printed", (f.as_printed, f.printed.number_as_printed)
-    right = f.follows_from_printed if f.value is None else f.value
+    right = f.follows if f.value is None else f.value
     assert right not in (None, f.as_printed)
     assert f.printed.value is not None
 
@@ -129,7 +129,7 @@ def test_right_stiffness_of_the_axis() -> None:
     """With the printed stiffness of the bearings, and with the computed one."""
     for kind, follows, ours in (("ball", 1.915e6, 1.931e6), ("taper", 1.846e6, 1.938e6)):
         f = found(f"smith-4.2:total_{kind}")
-        assert (f.follows_from_printed, f.value) == pytest.approx((follows, ours), rel=3e-4)
+        assert (f.follows, f.value) == pytest.approx((follows, ours), rel=3e-4)
         assert f.as_printed < 0.8 * min(follows, ours)
 
 
@@ -168,7 +168,7 @@ def test_a_sum_of_printed_numbers_is_no_value_of_a_model() -> None:
     ):
         f = found(key)
         assert f.verdict == "identity"
-        assert f.follows_from_printed == pytest.approx(follows, rel=1e-9)
+        assert f.follows == pytest.approx(follows, rel=1e-9)
         assert f.value == (ours and pytest.approx(ours, rel=1e-4))
 
 
