@@ -25,6 +25,7 @@ def friction_torques(sums: FrictionSums, drag_torque: float | None = None) -> di
     screw, ideal = sums.moves_axial_load, sums.advance_per_radian != 0.0
     forward, backward = (None if math.isnan(x) else float(x) for x in sums.efficiency)
     on_nut = math.copysign(sums.friction_torque, sums.speed)
+    moves = "with the load" if sums.axial_load * sums.advance_per_radian * sums.speed > 0.0 else "against the load"
     return {
         "torque": sums.friction_torque,
         "reverse_torque": sums.reverse_power / abs(sums.speed),
@@ -34,23 +35,13 @@ def friction_torques(sums: FrictionSums, drag_torque: float | None = None) -> di
         "axial_load": sums.axial_load if screw or not ideal else 0.0,
         "driving_torque_on_screw": sums.driving_torque_on_screw,
         "driving_torque_on_nut": -sums.driving_torque_on_screw,
-        "load_moves": motion_relative_to_load(sums),
+        "load_moves": moves if screw else None,
         "forward_torque": sums.forward_torque if screw else None,
         "backward_torque": sums.backward_torque if screw else None,
         "efficiency_forward": forward,
         "efficiency_backward": None if sums.is_self_locking else backward,
         "self_locking": sums.is_self_locking if screw else None,
     }
-
-
-def motion_relative_to_load(torque: FrictionSums) -> str | None:
-    """Return the text "with the load" or "against the load" for the axial motion of screw or nut; None without such motion.
-
-    ``torque``: friction torques, axial load and speed of the screw.
-    """
-    if not torque.moves_axial_load:
-        return None
-    return "with the load" if torque.axial_load * torque.advance_per_radian * torque.speed > 0.0 else "against the load"
 
 
 @each_cached_on_disk(FrictionSums)

@@ -353,7 +353,7 @@ class TabularRecord(Record):
         import pandas
 
         frame = pandas.DataFrame({name: list(column) for name, column in self.columns().items()})
-        frame.attrs |= {"units": self.units(), "values": dict(_single_values(self.to_dict()))}
+        frame.attrs |= {"units": self.units(), "values": dict(single_values(self.to_dict(), ".", lists=False))}
         return frame
 
     def plot(self) -> Figure:
@@ -399,13 +399,22 @@ def _columns_of_rows(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
     return {name: [row.get(name) for row in rows] for name in dict.fromkeys(name for row in rows for name in row)}
 
 
-def _single_values(data: Mapping[str, JSON], path: str = "") -> Iterator[tuple[str, JSON]]:
-    """Yield path and value of every number and text in nested JSON objects, but not those inside lists."""
+def single_values(data: Mapping[str, JSON], joint: str = "_", *, lists: bool = True) -> Iterator[tuple[str, JSON]]:
+    """Yield path and value of every number and text in nested JSON objects.
+
+    ``joint``: text between the keys of a path. ``lists``: whether values inside lists are yielded, by their number from 1.
+    """
     for key, value in data.items():
-        if isinstance(value, dict):
-            yield from _single_values(value, f"{path}{key}.")
-        elif not isinstance(value, list):
-            yield f"{path}{key}", value
+        inner = {str(k): x for k, x in enumerate(value, 1)} if isinstance(value, list) and lists else value
+        if isinstance(inner, dict):
+            yield from ((f"{key}{joint}{path}", x) for path, x in single_values(inner, joint, lists=lists))
+        elif not isinstance(inner, list):
+            yield key, inner
+
+
+def known_values(data: Mapping[str, JSON]) -> dict[str, JSON]:
+    """Return every number and text in nested JSON objects and lists by its keys joined by ``_``; None is left out."""
+    return {path: value for path, value in single_values(data) if value is not None}
 
 
 def json_rows(data: Mapping[str, JSON], group: str) -> list[Row]:
@@ -413,7 +422,9 @@ def json_rows(data: Mapping[str, JSON], group: str) -> list[Row]:
 
     ``group``: words with which the names of the quantities begin.
     """
-    named = ((*words_and_unit_of_key(path), value) for path, value in _single_values(data) if value is not None)
+    named = (
+        (*words_and_unit_of_key(path), value) for path, value in single_values(data, ".", lists=False) if value is not None
+    )
     return [Row(f"{group}: {name.replace('.', ', ')}", _format_cell_value(value), unit) for name, unit, value in named]
 
 

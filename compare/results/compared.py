@@ -27,7 +27,6 @@ from rollbench.compare.reference.store import load_stored_run
 from rollbench.compare.results.rows import nested_records, rows_with_reference
 from rollbench.compare.results.solved import AxialResults
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
-from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
@@ -269,7 +268,8 @@ def compare_models_with_reference(
             reason, advice = f"{model.name}: {by_model}", "choose another model with --model"
             raise SceneNotCoveredError(reference.scene, "model", reason, advice)
         answers.append(comparison.solution_from_result(by_model.loaded_result, by_model.seconds))
-        starts[answers[-1].model] = _axial_position_without_loads(scene, by_model.unloaded_result)
+        bare = motion_of_unloaded_screw(by_model.unloaded_result, place_of_displacement(scene))
+        starts[answers[-1].model] = float(bare[2])
         if by_model.loaded_result.converged:
             measured = measured_errors_on_other_scenes(reference)
             if place is None:
@@ -294,11 +294,6 @@ def compare_models_with_reference(
     uncertainty = uncertainty_of_loads(scene, reference, inputs=place is None)
     compared = NutOrBearingComparison(tuple(errors), itself, None, uncertainty, shared)
     return replace(compared, expected=expected.get(compared.judged_model.name))
-
-
-def _axial_position_without_loads(scene: Scene, unloaded: StaticResult) -> float:
-    """Return the axial position without loads of the section on which the load acts [m], from the nominal one."""
-    return float(motion_of_unloaded_screw(unloaded, place_of_displacement(scene))[2])
 
 
 def solve_with_and_without_loads(

@@ -210,7 +210,12 @@ class Comparison(TabularRecord):
 
     def _json(self) -> dict[str, Any]:
         """Return the JSON values of the comparison, without the version number of their format."""
-        results = [_comparison_json(whole, one) | scene_and_set_keys(one) for one, whole in self.compared]
+        results = [
+            results_compared.comparison_json(whole, one.reference)
+            | {"models": _models_json(whole)}
+            | scene_and_set_keys(one)
+            for one, whole in self.compared
+        ]
         if isinstance(self.described, DutyCycle):
             cases = load_cases_by_scene_name([self.described])
             names = [one.described_scene_name for one, _ in self.compared]
@@ -291,27 +296,17 @@ def _comparison_of_scene(
     return replace(whole, sets={x[0].set_name: Comparison(scene=x[0].reference.scene, pair=x) for x in pairs})
 
 
-def _comparison_json(comparison: NutOrBearingComparison, referenced: SceneWithReference) -> dict[str, Any]:
-    """Return the comparison of a single nut or bearing with its reference as a dictionary of JSON values.
-
-    ``comparison``: the comparison of the models with ``referenced``, the reference of the nut or bearing.
-    """
-    found, loads_json = referenced.reference, results_compared.loads_and_rigidities_json
+def _models_json(comparison: NutOrBearingComparison) -> dict[str, Any]:
+    """Return errors, largest load and pressure, and displacement of each compared model as JSON, by the model's name."""
     return {
-        "scene": found.scene,
-        "levels": list(found.levels),
-        "reference_status": found.unsettled or "converged",
-        "models": {
-            b.name: {
-                "largest_error_percent": b.largest_error,
-                "rms_error_percent": b.rms_error,
-                "largest_load_N": float(b.loads.max(initial=0.0)),
-                "pressure_MPa": 1e-6 * b.pressure,
-                "displacement_um": json_number(1e6 * b.displacement),
-            }
-            for b in comparison.models
-        },
-        "answers": {b.name: loads_json(b) for b in (comparison.reference_loads, *comparison.models)},
+        b.name: {
+            "largest_error_percent": b.largest_error,
+            "rms_error_percent": b.rms_error,
+            "largest_load_N": float(b.loads.max(initial=0.0)),
+            "pressure_MPa": 1e-6 * b.pressure,
+            "displacement_um": json_number(1e6 * b.displacement),
+        }
+        for b in comparison.models
     }
 
 

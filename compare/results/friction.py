@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rollbench.compare.models.friction_torques import FrictionTorques, fraction_in_percent
 from rollbench.compare.quantities import json_number, name_and_unit_of_key, quantities_of_instance, record_as_json
-from rollbench.compare.results.base import HEADINGS, JSON, Row, TabularRecord, add_schema_version, json_rows
+from rollbench.compare.results.base import HEADINGS, JSON, Row, TabularRecord, add_schema_version, json_rows, known_values
 from rollbench.compare.results.friction_run import TransientRun, transient_simulation_as_json
 from rollbench.compare.results.rows import group_rows, record_rows
 from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
@@ -535,7 +535,7 @@ class Friction(InOrderOfKeys, FrictionTorques, TabularRecord):
         if self.cases:
             return [{"case": name} | dict(row) for name, one in self.cases.items() for row in one.frame_rows()]
         if self.balls:
-            return [dict(flat_columns(record_as_json(ball))) for ball in self.balls]
+            return [known_values(record_as_json(ball)) for ball in self.balls]
         return [{f"{name}_Nmm": 1e3 * value for name, value in self._torques().items()}]
 
     def units(self) -> dict[str, str]:
@@ -591,14 +591,3 @@ class Friction(InOrderOfKeys, FrictionTorques, TabularRecord):
             title = ", ".join(filter(None, (case and f"case {case}", names.get(number)))) or "power lost on each flank"
             if series:
                 yield Panel(title, "number_of_ball", "power lost / mW", series, include_zero=True, integer_x=True)
-
-
-def flat_columns(row: Mapping[str, Any], start: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield name and value of each column of a JSON row, whose objects and lists have a column for each entry."""
-    for key, value in row.items():
-        if isinstance(value, Mapping):
-            yield from flat_columns(value, f"{start}{key}_")
-        elif isinstance(value, list):
-            yield from flat_columns({str(k): x for k, x in enumerate(value, 1)}, f"{start}{key}_")
-        elif value is not None:
-            yield f"{start}{key}", value

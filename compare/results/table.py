@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any, cast
@@ -10,7 +10,7 @@ from typing import Any, cast
 import numpy as np
 
 from rollbench.compare.quantities import name_and_unit_of_key, quantities_of_record, record_as_json
-from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version, values_in_words
+from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version, single_values, values_in_words
 from rollbench.meshes.arrays import Array, RecordWithArrays
 from rollbench.meshes.parts import FREEDOMS
 from rollbench.meshes.quantity import quantity_field, result_record
@@ -252,7 +252,10 @@ class Table(TabularRecord):
         list
             Row of each line of the frame, by the names of its columns.
         """
-        return [dict(_flatten_table_row(row)) for row in self._rows_as_json()]
+        return [
+            dict(single_values({"K" if key == "stiffness" else key: _by_freedoms(key, x) for key, x in row.items()}))
+            for row in self._rows_as_json()
+        ]
 
     @property
     def _notes(self) -> tuple[str, ...]:
@@ -299,20 +302,12 @@ def _unit_of_column(name: str) -> str:
     return "" if unit is None else unit.text
 
 
-def _flatten_table_row(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield key and value of every single number in one row of the table's JSON.
-
-    The stiffness matrix gives 36 values, with keys such as ``K_ux_ry``; an inner JSON object gives one value for each key
-    inside it, with both keys joined by ``_``.
-    """
-    for key, value in row.items():
-        if key == "stiffness":
-            matrix = [[None] * 6] * 6 if value is None else value
-            yield from ((f"K_{a}_{b}", matrix[i][j]) for i, a in enumerate(FREEDOMS) for j, b in enumerate(FREEDOMS))
-        elif isinstance(value, Mapping):
-            yield from ((f"{key}_{name}", x) for name, x in value.items())
-        else:
-            yield key, value
+def _by_freedoms(key: str, value: Any) -> Any:
+    """Return a stiffness (6, 6) by the names of its terms, None for each where it is not known; other values unchanged."""
+    if key != "stiffness":
+        return value
+    matrix = [[None] * 6] * 6 if value is None else value
+    return {f"{a}_{b}": matrix[i][j] for i, a in enumerate(FREEDOMS) for j, b in enumerate(FREEDOMS)}
 
 
 #: Largest number of panels of a figure.

@@ -8,7 +8,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from rollbench.compare.quantities import count_with_noun, format_range, quantity_value, record_as_json
-from rollbench.compare.results.friction import Friction, FrictionOfRollers, FrictionOnset, flat_columns
+from rollbench.compare.results.base import known_values
+from rollbench.compare.results.friction import Friction, FrictionOfRollers, FrictionOnset
 from rollbench.compare.results.friction_parts import FrictionOfBearingBall, FrictionOfNeighbours, FrictionOfTwoBearings
 from rollbench.lowfi.friction import bearing
 from rollbench.lowfi.friction.screw import travel
@@ -42,7 +43,7 @@ def format_three_digits(value: float) -> str:
 
 def _selected(rows: Iterable[Mapping[str, Any]], keys: Sequence[str]) -> list[dict[str, Any]]:
     """Return the values of rows at some keys, with a column for each entry of a value that is a list or an object."""
-    return [dict(flat_columns({key: row[key] for key in keys if key in row})) for row in rows]
+    return [known_values({key: row[key] for key in keys if key in row}) for row in rows]
 
 
 def friction_tables(found: Friction, *, balls: bool) -> list[Shown]:
@@ -106,9 +107,7 @@ def _contacts_of_ball(found: FrictionOfBearingBall) -> list[dict[str, Any]]:
     (ball,) = found.balls
     known = {key: value for key, value in record_as_json(ball).items() if isinstance(value, Mapping)}
     loaded = (side for side in bearing.SIDES if (ball.load[side] or 0.0) > 0.0)
-    return [
-        dict(flat_columns({"contact": side} | {key: value.get(side) for key, value in known.items()})) for side in loaded
-    ]
+    return [known_values({"contact": side} | {key: value.get(side) for key, value in known.items()}) for side in loaded]
 
 
 def _torques_over_load_angle(found: FrictionOfTwoBearings) -> list[dict[str, Any]]:

@@ -14,13 +14,13 @@ from rollbench.compare.models.registry import has_random_errors
 from rollbench.compare.quantities import (
     count_with_noun,
     format_by_error,
+    format_range,
     json_number,
     quantities_of_record,
     quantity_value,
     record_as_json,
 )
-from rollbench.compare.results.base import format_table_as_text
-from rollbench.compare.results.friction import flat_columns
+from rollbench.compare.results.base import format_table_as_text, known_values
 from rollbench.compare.results.load_curve import LoadCurve
 from rollbench.compare.results.rows import bearing_and_nut_rows, duty_cycle_rows, expected_error_sentence, nested_records
 from rollbench.compare.results.side_by_side import NUMBERS, Alternative, SideBySide
@@ -171,12 +171,7 @@ def side_by_side_parts(side_by_side: SideBySide) -> list[Any]:
 
 def number_or_range_text(value: Any) -> str:
     """Format a number, or a list of two numbers as a range; None becomes a dash."""
-    if value is None:
-        return "–"
-    if not isinstance(value, list):
-        return format_by_error(value)
-    low, high = map(format_by_error, value)
-    return low if low == high else f"{low} to {high}"
+    return "–" if value is None else format_range(value, 4) if isinstance(value, list) else format_by_error(value)
 
 
 def _force_balance_lines(equilibrium: Equilibrium, *, several: bool) -> list[str]:
@@ -220,7 +215,7 @@ def _ball_and_roller_tables(found: Result) -> list[RenderableType]:
             ends = {"max N": x.largest, "min N": x.smallest, "max/min": x.ratio}
             counts = {"loaded": x.loaded_contacts, "unloaded": x.unloaded_contacts}
             flanks.append(head | {"flank": side} | {key: format_by_error(v, error) for key, v in ends.items()} | counts)
-        rollers += [head | dict(flat_columns(record_as_json(roller))) for roller in s.roller_rows()]
+        rollers += [head | known_values(record_as_json(roller)) for roller in s.roller_rows()]
     tables = ((balls, ".2f"), (flanks, ".4g"), (rollers, ".5g"))
     return [part for rows, digits in tables if rows for part in (printing.table_of_records(rows, digits), "")]
 
