@@ -3,9 +3,13 @@
 Sweeps, tables, specimens, load curves, load cases, scenes side by side and the survey are spellings of `solve_many`.
 
 Results may be stored in a folder: rows that it holds are read from it, the others are solved and appended. It has a file
-that states the whole, and a file for each run with one line per row, which is appended when the row is solved and never
-changed. Only the process of the run writes, each line in one call and with a checksum, and it holds a lock. Whenever it is
-killed, finished rows are therefore complete, and a torn line is recognised; worker processes that outlive it write nothing.
+that states the whole, and files with one line per row, which is appended when the row is solved and never changed. Every
+process writes to a separate file, each line in one call and with a checksum. Whenever a process is killed, finished rows
+are therefore complete, and a torn line is recognised.
+
+Each run writes a token (random text) into the folder. A process that outlives its run stops after its row, because the
+token in the folder is no longer that of its run. A new run waits, by a lock that each process holds while it solves, until
+such processes have stopped; only then does it read the folder, so that nothing is solved twice.
 """
 
 from __future__ import annotations
@@ -19,7 +23,7 @@ from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from time import perf_counter
+from time import monotonic, perf_counter
 from typing import TYPE_CHECKING, Any, TypeVar
 from uuid import uuid4
 
@@ -27,6 +31,7 @@ from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.files import replace_file
 from rollbench.meshes.cache import record_from_bytes, record_to_bytes
+from rollbench.meshes.files import machine_code
 from rollbench.meshes.record_keys import digest_of_values
 
 if TYPE_CHECKING:
@@ -46,7 +51,9 @@ CONVERGED = "converged"
 #: Time of the remaining rows [s] below which no further processes are started, because each must import first.
 WORTH_WORKERS = 10.0
 #: Names of files and folders in the folder of stored rows.
-HEADER, RECORDS = "computation.json", "records"
+HEADER, TOKEN, LOCKS, RECORDS = "computation.json", "token", "locks", "records"
+#: Longest time to wait for processes of an earlier run [s].
+PATIENCE = 600.0
 
 
 @dataclass(frozen=True)
@@ -128,12 +135,12 @@ def solve_many(
         for number, read in known.items():
             yield number, read()
         numbers = [number for number in rows if number not in known]
-        jobs = [(_solve_row, (solve, rows[number], store is not None)) for number in numbers]
+        jobs = [(_solve_row, (solve, rows[number], number, store)) for number in numbers]
         solved: Iterator[tuple[int, Any]] = ((k, job(*of)) for k, (job, of) in enumerate(jobs))
-        for k, result in solved if engine is None else _run_jobs(jobs, engine, show_progress, noun):
-            if store is not None:
-                store.append((numbers[k], result))
-            yield numbers[k], result if store is None else result_from_json(result)
+        for k, (result, appended) in solved if engine is None else _run_jobs(jobs, engine, show_progress, noun):
+            if store is not None and not appended:
+                store.append(result)
+            yield numbers[k], result if store is None else result_from_json(result[1])
 
 
 def in_order(results: Iterator[tuple[int, T]], numbers: Sequence[int]) -> Iterator[tuple[int, T]]:
@@ -148,10 +155,21 @@ def in_order(results: Iterator[tuple[int, T]], numbers: Sequence[int]) -> Iterat
             following = next(left, None)
 
 
-def _solve_row(solve: Callable[..., T], row: tuple[Any, ...], as_stored: bool) -> Any:
-    """Solve a row; return its result, with ``as_stored`` in the form in which it is stored."""
-    result = solve(*row)
-    return result_as_json(result) if as_stored else result
+def _solve_row(
+    solve: Callable[..., T], row: tuple[Any, ...], number: int, store: Store | None
+) -> tuple[T | StoredRow, bool]:
+    """Solve a row; return its result, or the row as it is stored, and whether it was already appended to the folder.
+
+    A worker process that does not see the folder, or whose run is over, does not write there and only returns the row.
+    """
+    if store is None:
+        return solve(*row), False
+    if not store.is_of_current_run():
+        return (number, result_as_json(solve(*row))), False
+    with store.process_lock():
+        found = number, result_as_json(solve(*row))
+        store.append(found)
+    return found, True
 
 
 def _run_jobs(
@@ -180,18 +198,35 @@ def _run_jobs(
 
 @dataclass(frozen=True)
 class Store:
-    """File in which the rows of one run are stored."""
+    """Folder in which the rows of one run are stored."""
 
-    #: The file.
-    path: Path
+    #: The folder.
+    folder: Path
+    #: Text in the folder that identifies the present run.
+    token: str
+
+    def is_of_current_run(self) -> bool:
+        """Return whether the folder is seen here and reserved for this run."""
+        try:
+            return (self.folder / TOKEN).read_text(encoding="utf-8") == self.token
+        except OSError:
+            return False
+
+    @contextmanager
+    def process_lock(self) -> Iterator[None]:
+        """Hold a lock file of this process while it solves; a later run waits until the lock is released."""
+        from filelock import FileLock
+
+        with FileLock(self.folder / LOCKS / _machine_and_process_name()):
+            yield
 
     def append(self, row: StoredRow) -> None:
-        """Append a row to the file in one call; OSError if the disk does not take all."""
-        line = _row_as_line(row)
-        handle = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o644)
+        """Append a row to the file of this process in one call; OSError if the disk does not take all."""
+        path, line = self.folder / RECORDS / f"{self.token[:8]}-{_machine_and_process_name()}.lines", _row_as_line(row)
+        handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o644)
         try:
             if os.write(handle, line) != len(line):
-                raise OSError(28, "the disk is full: a row was not written completely", str(self.path))
+                raise OSError(28, "the disk is full: a row was not written completely", str(path))
         finally:
             os.close(handle)
 
@@ -200,7 +235,7 @@ class Store:
 def open_store(folder: Path, header: Mapping[str, Any], argument: str = "store") -> Iterator[Store]:
     """Create the folder that stores rows, or check that it belongs to this computation, and reserve it for this run.
 
-    ``header``: JSON values that identify the
+    First wait until no process of an earlier run writes to the folder. ``header``: JSON values that identify the
     computation, such as its scene and keys; they are written to a file of the folder. ``argument``: argument by which the
     user names the folder, for error messages. Raises InputError if the folder holds other files or another computation, or
     if another run is active there.
@@ -214,7 +249,10 @@ def open_store(folder: Path, header: Mapping[str, Any], argument: str = "store")
         given, allowed = "the folder of a computation that is running", "a folder in which no run is active"
         raise ArgumentError(argument, given, allowed, "wait for that run, or end it", str(folder)) from None
     with reserved:
-        yield Store(folder.resolve() / RECORDS / f"{uuid4().hex}.lines")
+        store = Store(folder.resolve(), uuid4().hex)
+        replace_file(folder / TOKEN, store.token)
+        _wait_for_earlier_runs(folder, argument)
+        yield store
 
 
 def _create_or_check_folder(folder: Path, header: Mapping[str, Any], argument: str) -> None:
@@ -230,6 +268,30 @@ def _create_or_check_folder(folder: Path, header: Mapping[str, Any], argument: s
             raise ArgumentError(argument, "a folder with other files", allowed, advice, str(folder))
         replace_file(path, text)
     (folder / RECORDS).mkdir(exist_ok=True)
+    (folder / LOCKS).mkdir(exist_ok=True)
+
+
+def _wait_for_earlier_runs(folder: Path, argument: str) -> None:
+    """Wait until the processes of earlier runs have finished their batches, and remove their lock files.
+
+    Raises InputError if the processes take longer than `PATIENCE` seconds.
+    """
+    from filelock import FileLock, Timeout
+
+    until = monotonic() + PATIENCE
+    for path in (folder / LOCKS).iterdir():
+        try:
+            with FileLock(path, timeout=max(until - monotonic(), 0.0), poll_interval=0.02):
+                path.unlink(missing_ok=True)
+        except Timeout:
+            given = "a folder to which processes of an earlier run still write"
+            allowed, advice = "a folder to which no other process writes", "end the processes of the earlier run"
+            raise ArgumentError(argument, given, allowed, advice, str(folder)) from None
+
+
+def _machine_and_process_name() -> str:
+    """Return digits for this machine and the number of this process, by which files of a folder are named."""
+    return f"{machine_code()}-{os.getpid()}"
 
 
 def result_as_json(result: Any) -> Any:

@@ -60,7 +60,7 @@ def test_no_spelling_solves_without_the_map(spelling, tmp_path, monkeypatch) -> 
 
 @pytest.mark.parametrize("spelling", [sweep, table, drawn_screws])
 def test_what_goes_on_after_a_kill_is_stored_in_one_store(spelling, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(many.Store, "append", gone)
+    monkeypatch.setattr(many.Store, "is_of_current_run", gone)
     with pytest.raises(GoneError):
         spelling(tmp_path / "runs")
 

@@ -70,12 +70,17 @@ def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_p
     assert (again, "2 to solve" in said[0]) == (first, True)
 
 
-def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path):
+def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(many, "PATIENCE", 0.05)
     run(tmp_path / "a")
     header = json.loads((tmp_path / "a" / many.HEADER).read_text())
     with many.open_store(tmp_path / "a", header), pytest.raises(InputError, match="a computation that is running"):
         run(tmp_path / "a")
+    earlier = many.Store(tmp_path / "a", "")
+    with earlier.process_lock(), pytest.raises(InputError, match="processes of an earlier run"):
+        run(tmp_path / "a")
     run(tmp_path / "a")
+    assert list((tmp_path / "a" / many.LOCKS).iterdir()) == []
     with pytest.raises(InputError, match="another computation"):
         run(tmp_path / "a", seed=2)
     (tmp_path / "b").mkdir()
