@@ -88,7 +88,7 @@ def test_stored_rows_are_not_solved_again_and_answer_the_same(name, answers, mon
 
 @each_spelling
 def test_rows_that_a_kill_has_cut_off_are_solved_and_no_others(name, answers, tmp_path, monkeypatch) -> None:
-    spelling, append, solved = SPELLINGS[name], many.Store.append, []
+    spelling, solve_row, solved = SPELLINGS[name], many._solve_row, []
     alone = answers(spelling)
     files = [*(tmp_path / "rows" / many.RECORDS).glob("*.lines")]
     lines = [line for file in files for line in file.read_bytes().splitlines(keepends=True)]
@@ -98,11 +98,11 @@ def test_rows_that_a_kill_has_cut_off_are_solved_and_no_others(name, answers, tm
         file.unlink()
     files[0].write_bytes(b"".join(lines[:half]) + lines[half][:-9])
 
-    def counted(store, row):
-        solved.append(row[0])
-        append(store, row)
+    def counted(solve, row, number, store):
+        solved.extend([number] * (store is not None))  # a scene with load cases solves rows that are not stored
+        return solve_row(solve, row, number, store)
 
-    monkeypatch.setattr(many.Store, "append", counted)
+    monkeypatch.setattr(many, "_solve_row", counted)
     assert answers(spelling) == alone
     assert len(solved) == len({*solved}) == spelling.rows - half
 
@@ -114,7 +114,7 @@ def test_two_workers_store_and_answer_the_same(name, answers, tmp_path, monkeypa
     alone = answers(spelling, stored=False)
     monkeypatch.setattr(many, "WORTH_WORKERS", 0.0)
     assert answers(spelling, "--workers", "2") == alone
-    assert list((tmp_path / "rows" / many.RECORDS).glob("*.lines"))
+    assert len(list((tmp_path / "rows" / many.RECORDS).glob("*.lines"))) > 1
     assert answers(spelling) == alone
 
 

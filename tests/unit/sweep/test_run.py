@@ -1,6 +1,11 @@
 """A sweep that is killed goes on without losing or repeating a sample; workers of any kind give the same numbers."""
 
 import json
+import os
+import signal
+import subprocess
+import sys
+from contextlib import suppress
 from dataclasses import replace
 from math import tau
 
@@ -29,6 +34,37 @@ SCENE = "two-balls"
 QUIET = ModelOptions(estimate_beam_mesh_error=False)
 
 
+KILLS = """
+import os, random, signal, sys, time
+from pathlib import Path
+from rollbench.compare.reference.jobs import ComputingSettings
+from rollbench.compare.models import many
+from rollbench.compare.studies.sweep import run as sweeping
+folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
+sweeping.LARGEST_BATCH = 4  # workers are in the midst of theirs when their run is killed
+what = sweeping.sweep_definition({scene!r}, {vary!r}, {samples}, "lhs", 1, "lin")
+random.seed(5)
+def lines():
+    return 4 * sum(path.read_bytes().count(b"\\n") for path in (folder / many.RECORDS).glob("*.lines"))
+killed = before = 0
+while killed < kills and before < 0.7 * {samples}:  # at a random number of stored samples and a random moment after
+    child = os.fork()
+    if child == 0:
+        sweeping.solve_missing_samples(what, folder, ComputingSettings(parallel_jobs=workers), print)
+        os._exit(0)
+    until = before + random.uniform(0.0, 0.8 * {samples} / (kills + 2))
+    while lines() < min(until, {samples}):
+        time.sleep(0.002)
+    time.sleep(random.uniform(0.0, 0.005))
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    killed, last, before = killed + 1, before, 4 * len(list(many.stored_rows(folder)))
+    assert before >= last, (before, last)
+assert before < {samples} and killed >= (kills + 1) // 2, (before, killed)  # however fast the machine
+sweeping.solve_missing_samples(what, folder, ComputingSettings(parallel_jobs=workers), print)
+"""
+
+
 def stored(folder):
     """Records of all stored samples, row by row."""
     return [record for _, read in many.stored_rows(folder) for record in read()]
@@ -53,6 +89,39 @@ def solution_of(name):
     """The scene, and the model's result."""
     scene = catalogue.scene_of_any_kind(name)
     return scene, run_model(scene, "lin", QUIET)
+
+
+def killed(folder, kills, workers, samples):
+    """Kill a sweep again and again, then let it end; workers that outlive their run are ended with the test."""
+    script = KILLS.format(scene=SCENE, vary=VARY, samples=samples)
+    arguments = [sys.executable, "-c", script, str(folder), str(kills), str(workers)]
+    with (folder.parent / "said").open("w+") as said:
+        process = subprocess.Popen(arguments, stdout=said, stderr=said, start_new_session=True)
+        try:
+            code = process.wait(200)
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+        said.seek(0)
+        assert code == 0, said.read()
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    """Records of a sweep of 200 samples that nobody kills."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sweeping, "LARGEST_BATCH", 4)  # as in `KILLS`
+        found, _ = run(tmp_path_factory.mktemp("undisturbed") / "a", 200)
+    assert all(record["status"] == "converged" for record in found.values())
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kills", "workers"), [(20, 1), (1, 2)], ids=["twenty kills", "workers that outlive the run"])
+def test_a_killed_sweep_loses_and_repeats_nothing(kills, workers, tmp_path, undisturbed):
+    killed(tmp_path / "a", kills, workers, 200)
+    records = sorted(stored(tmp_path / "a"), key=lambda record: record["sample"])
+    assert records == [undisturbed[number] for number in range(200)]
 
 
 def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_path, monkeypatch):
