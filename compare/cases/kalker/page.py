@@ -98,7 +98,7 @@ def slip_and_traction_panels(
         y, x = (1e6 * cells).T
         ellipse = (0.0, 0.0, 1e6 * semi_axes[1], 1e6 * semi_axes[0])
         arrows = (unit[:, 1].tolist(), unit[:, 0].tolist())
-        return PressurePanel(title, x, y, size / unit_of, ellipse, note, arrows, marked)
+        return PressurePanel(title, x, y, size / unit_of, ellipse, note, arrows, 5, marked)
 
     most = float(np.linalg.norm(slip, axis=1).max())
     words = f"{int(sticks.sum())} of {len(sticks)} cells stick"
