@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.dense_beam import screw_beam_stiffness_matrix
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, four_flank_problem, relative, small_screw, solved, with_ingredients
 
 from rollbench.compare.scenes import catalogue
@@ -19,7 +20,7 @@ def system_of(scene, kinematics):
     layout, problem = ball_layout(scene), four_flank_problem(scene)
     free = np.concatenate([np.arange(6 * layout.z.size), 6 * layout.z.size + np.flatnonzero(~problem.fixed.ravel())])
     axes = np.stack([layout.radial, layout.binormal], axis=1)
-    return as_source.LinEquations(problem, kinematics, as_source.screw_beam_stiffness_matrix(problem), free, axes)
+    return as_source.LinEquations(problem, kinematics, screw_beam_stiffness_matrix(problem), free, axes)
 
 
 @pytest.mark.parametrize("errors", [None, FLANK_ERRORS], ids=["exact", "errors"])
