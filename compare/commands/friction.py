@@ -125,7 +125,7 @@ def friction_terminal_parts(found: Friction, *, balls: bool = False, details: bo
     if sentences := onset_sentences(found):
         parts += [*sentences, ""]
     for title, body in friction_tables(found, balls=balls):
-        parts += [table_of_records(body, ".6g", title), ""]
+        parts += [table_of_records(body, ".4g", title), ""]
     if not balls and has_table_of_balls(found):
         parts.append("--balls also shows motion, loads and losses of every ball")
     warnings = [w for w in found.warnings if w.brief != w]  # without those that are printed above
