@@ -418,7 +418,7 @@ def nominal_normals_matrix(scene: Scene, N: int, sides: list[int]) -> Array:
 def nominal_normals(scene: Scene, sides: list[int]) -> Array:
     """Return the nominal contact normals ``(k, 2)`` of k flanks in the section planes of the balls; ``sides``: numbers."""
     beta = scene.track.contact_angle
-    return np.asarray(np.array(SIDE_SIGNS)[sides] * np.array([np.cos(beta), np.sin(beta)]))
+    return np.array(SIDE_SIGNS)[sides] * np.array([np.cos(beta), np.sin(beta)])
 
 
 def normal_and_tangent_matrices(scene: Scene, N: int, sides: list[int], normal_flanks: list[int]) -> tuple[Array, Array]:
