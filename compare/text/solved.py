@@ -37,6 +37,14 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
 
+#: Headings in the table of a load curve, for keys that are too long for it.
+OF_CURVE = {
+    "nut_displacement_um": "nut um",
+    "nut_tangent_N_per_um": "nut N/um",
+    "load_point_displacement_um": "point um",
+    "load_point_tangent_N_per_um": "point N/um",
+}
+
 #: Ratio of a force component to the largest component of the force, below which the component counts as round-off.
 ROUND_OFF = 1e-9
 
@@ -129,6 +137,8 @@ def load_curve_parts(curve: LoadCurve, *, details: bool = False) -> list[Any]:
     sides = ((curve.backward, "below"), (curve.forward, "above"))
     stiff = " and ".join(f"{size(value, 1e-6, 'N/um')} {words}" for value, words in sides if value is not None)
     without = ["status"] if all(point.status == "converged" for point in curve.points) else []
+    points = (record_as_json(point, *without) for point in curve.points)
+    rows = [{OF_CURVE.get(key, key): value for key, value in point.items()} for point in points]
     return [
         f"{curve.scene}, model {model_title(curve.model)}: load along {way} at {curve.at}, {len(curve.points)} points",
         *([curve.above] if curve.above else []),
@@ -136,7 +146,9 @@ def load_curve_parts(curve: LoadCurve, *, details: bool = False) -> list[Any]:
         f"{size(curve.peak_to_peak, 1e6, 'um')}",
         *([f"stiffness from the ends of the lash to the ends of the curve: {stiff}"] if stiff else []),
         "displacement and tangent of the nut or bearing without its shaft, and of the load's point to ground",
-        printing.table_of_records([record_as_json(point, *without) for point in curve.points], ".5g"),
+        printing.table_of_records(
+            [{OF_CURVE.get(key, key): value for key, value in point.items()} for point in points], ".5g"
+        ),
         *(f"warning: {line}" for line in curve.warnings),
         *([f"assumed: {line}" for line in curve.assumed] if details else []),
     ]

@@ -142,7 +142,8 @@ def test_no_contact_stiffness_mends_the_offset() -> None:
 
 def test_single_ball_by_hand() -> None:
     """+2 um, light load: ball 33 alone is a Hertz contact until the others touch, 2 um later."""
-    (first, last), model = liu.axial_loads_where_balls_become_loaded(), liu.calibrated_model()
+    model, errors = liu.calibrated_model(), liu.ball_errors_with_faulty_ball_33(2e-6)
+    first, last = (chain.load_at_which_ball_is_loaded(model, errors, k, liu.LIGHT) for k in (0, liu.ball_count() - 1))
     assert first == pytest.approx(model.approach_per_motion * model.stiffness * 2e-6**1.5, rel=0.02)
     assert first < last
     low, high = liu.load_change_range_of_other_balls(-2.0)
