@@ -146,9 +146,7 @@ def load_curve_parts(curve: LoadCurve, *, details: bool = False) -> list[Any]:
         f"{size(curve.peak_to_peak, 1e6, 'um')}",
         *([f"stiffness from the ends of the lash to the ends of the curve: {stiff}"] if stiff else []),
         "displacement and tangent of the nut or bearing without its shaft, and of the load's point to ground",
-        printing.table_of_records(
-            [{OF_CURVE.get(key, key): value for key, value in point.items()} for point in points], ".5g"
-        ),
+        printing.table_of_records(rows, ".5g"),
         *(f"warning: {line}" for line in curve.warnings),
         *([f"assumed: {line}" for line in curve.assumed] if details else []),
     ]
