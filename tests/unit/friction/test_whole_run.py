@@ -156,7 +156,7 @@ def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
 
 
 def test_balls_of_unlike_sizes_touch_where_their_radii_meet():
-    balls = setting(crowded()).balls
+    balls = setting(crowded())
     grooves, between = balls.groove, slice(balls.tracks[0].balls.start, balls.tracks[0].balls.stop - 1)
     phi = balls.spacing[between]
     chord = np.hypot(2.0 * grooves.pitch_radius * np.sin(0.5 * phi), grooves.advance_per_radian * phi)
