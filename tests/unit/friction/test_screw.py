@@ -176,7 +176,7 @@ def test_zero_lead_is_the_rotary_bearing(u_y: float) -> None:
     screw = ScrewGroove(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 0.0, 20.0 * np.pi)
     order = [0, 1, 3, 2]  # IL, IR, OL, OR
     one, loaded = motion.solve_ball_motion(screw, s.load.force[order], s.load.angle[order]), s.load.force[order] > 0.0
-    assert one.contacts.a[loaded] == pytest.approx(s.contacts.a[order][loaded], rel=1e-9)
+    assert one.contacts.a[loaded] == pytest.approx(s.problem.contacts.a[order][loaded], rel=1e-9)
     assert one.motion.loss == pytest.approx(s.motion.loss, rel=1e-9)
     assert one.motion.unknown_velocities[[0, 3, 1]] == pytest.approx(s.motion.unknown_velocities, rel=1e-7)
     assert one.motion.unknown_velocities[2] == pytest.approx(0.0, abs=1e-7)
