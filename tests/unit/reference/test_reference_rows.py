@@ -152,4 +152,4 @@ def test_every_point_has_the_same_reference_and_its_bar() -> None:
     more = errors_against_reference(found.load * 1.05, found)
     assert 0.0 < more["low"] < more["error"] < more["high"]
     assert more["rms"] < more["error"]
-    assert more["gate"].error == pytest.approx(5.0)
+    assert more["gate_error"] == pytest.approx(5.0)
