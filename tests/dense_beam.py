@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rollbench.lowfi.statics.problem import NominalContacts, Problem
+from rollbench.lowfi.statics.problem import Problem
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.section import BeamSection
 
@@ -64,9 +64,14 @@ class Frame(NamedTuple):
     given: np.ndarray
     L: np.ndarray  # (N, 4, 2, D)
     v0: np.ndarray  # (N, 4, 2)
-    balls: dict  # arrays of `NominalContacts`
+    balls: dict  # arrays of `Balls` of one member
     rows: np.ndarray  # (S, D)
     slices: tuple  # gap, width, g, s, (S,) each
+
+
+def of_one_member(balls):
+    """Arrays of balls without the axis of members."""
+    return {name: x[0] for name, x in vars(balls).items()}
 
 
 def frame_of_problem(problem):
@@ -78,7 +83,7 @@ def frame_of_problem(problem):
         for i in range(N):
             L[i, s][:, at[i, s]] = problem.B[i, s]
     flat = problem.load.ravel(), problem.fixed.ravel(), np.where(problem.fixed, problem.prescribed, 0.0).ravel()
-    return Frame(K, *flat, L, np.zeros((N, 4, 2)), vars(problem.contacts), np.zeros((0, D)), (np.zeros(0),) * 4)
+    return Frame(K, *flat, L, np.zeros((N, 4, 2)), of_one_member(problem.balls), np.zeros((0, D)), (np.zeros(0),) * 4)
 
 
 def frame_of_assembly(arrays):
@@ -101,16 +106,17 @@ def frame_of_assembly(arrays):
                 if row >= 0:
                     L[b.ball_indices.start + i, f][:, 6 * row : 6 * row + b.B.shape[3]] = b.B[i, f]
     rows, slices = [np.zeros((0, D))], [np.zeros((4, 0))]
-    for x in (r.slices for r in arrays.roller_sets):
-        of = np.zeros((x.gap.size, D))
-        for k in np.ndindex(x.ring_bodies.shape):
-            if x.ring_bodies[k] >= 0:
-                of[k[0], 6 * x.ring_bodies[k] : 6 * x.ring_bodies[k] + 6] += x.B[k]
+    for r in arrays.roller_sets:
+        x, count = r.rollers, r.row.count * r.row.slices
+        of = np.zeros((count, D))
+        for ring, row in enumerate(r.ring_bodies):
+            if row >= 0:
+                of[:, 6 * row : 6 * row + 6] += (1.0, -1.0)[ring] * r.slice_motions(ring)
         rows.append(of)
-        slices.append(np.stack([x.gap, x.width, x.g, x.s]))
+        each = (x.gaps, x.widths, x.g[..., None], x.s[..., None])
+        slices.append(np.stack([np.broadcast_to(y, x.gaps.shape).ravel() for y in each]))
     flat = s.load.ravel(), s.fixed.ravel(), np.where(s.fixed, s.prescribed, 0.0).ravel()
-    contacts = NominalContacts.concatenated([b.problem.contacts for b in arrays.ball_sets])
-    return Frame(K, *flat, L, v0, vars(contacts), np.concatenate(rows), tuple(np.concatenate(slices, axis=1)))
+    return Frame(K, *flat, L, v0, of_one_member(arrays.balls), np.concatenate(rows), tuple(np.concatenate(slices, axis=1)))
 
 
 def line_loads(slices, delta):

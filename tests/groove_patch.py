@@ -5,9 +5,9 @@ import numpy as np
 from rollbench.lowfi.compliance import groove
 
 
-def patch_self_motion(flank, grid, load_cases, width) -> float:
+def patch_self_motion(flank, grid, force, width) -> float:
     """Sum of the harmonics around the axis, each weighted by the extent of the patch along the circumference [m/N]."""
     radius = flank.contact_position()[0]
     n = groove.sampled_harmonics(2.6 * radius / width)
-    waves = groove.interpolate_harmonics(n, groove.patch_self_motion_harmonics(flank, grid, load_cases, n))
+    waves = groove.interpolate_harmonics(n, groove.patch_self_motion_harmonics(flank, grid, force, n))
     return float(waves @ groove.gaussian_patch_harmonic_factors(np.arange(float(waves.size)), width, radius))

@@ -195,8 +195,8 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
     ProgramError
         If the external program fails.
     """
+    from rollbench.lowfi.statics.contact_law import SIGNS
     from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice, scene_with_error_free_hertz
-    from rollbench.lowfi.statics.problem import SIGNS
     from rollbench.lowfi.statics.result import SolverReport, StaticResult, Status
 
     function, layout, shown = load_user_model(name), ball_layout(scene), programs.model_title(name)

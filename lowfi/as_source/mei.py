@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach, contact_force, contact_stiffness_at_approach
+from rollbench.lowfi.statics.contact_law import SIGNS
 from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice, scene_with_error_free_hertz
-from rollbench.lowfi.statics.problem import SIGNS, place_balls
+from rollbench.lowfi.statics.problem import place_balls
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw_geometry_with_errors

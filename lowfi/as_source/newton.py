@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach, contact_force, contact_stiffness_at_approach
 from rollbench.lowfi.statics.beam import nodal_forces
+from rollbench.lowfi.statics.contact_law import SIGNS
 from rollbench.lowfi.statics.contacts import scene_with_error_free_hertz
 from rollbench.lowfi.statics.held import find_unresisted_motions
-from rollbench.lowfi.statics.problem import SIGNS, ContactState, Problem, SolvedState, build_problem
+from rollbench.lowfi.statics.problem import ContactState, Problem, SolvedState, build_problem
 from rollbench.lowfi.statics.result import SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.selection import all_flank_motions_by_screw
 from rollbench.lowfi.statics.shape import beam_shape_functions

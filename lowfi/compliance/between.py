@@ -7,15 +7,16 @@ of revolution less that of its own beam; and the compliance that grooves and end
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from rollbench.lowfi.compliance import faces, parts, tube
-from rollbench.lowfi.compliance.beyond_hertz import NARROW, HalfGroove, half_space_compliance
+from rollbench.lowfi.compliance.beyond_hertz import NARROW, half_space_compliance
 from rollbench.lowfi.compliance.groove import GrooveRingCompliance, compliance_between_ring_contacts, ring_compliance
 from rollbench.lowfi.compliance.parts import BOTH, REFINED, ComplianceModel
+from rollbench.lowfi.compliance.tube import HalfGroove
 from rollbench.lowfi.compliance.washer import washer_compliance
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import cached_on_disk
@@ -273,9 +274,22 @@ def compute_compliance_between_contacts(
     return G
 
 
-def screw_motions_by_end_wrench(
-    scene: Scene, layout: BallLayout, backend: ComplianceModel
-) -> tuple[Array, Array, float, float]:
+@dataclass(frozen=True)
+class EndWrenchMotions:
+    """Motions of a screw by six unit loads (3 forces, 3 moments) on its end face at high z, beyond those of its beam."""
+
+    #: Motions of the contacts by each of the six loads: all left contacts, then all right contacts, along the radial and
+    #: the binormal axis each ``(4 N, 6)``.
+    contact_motions: Array
+    #: Six mean motions (3 displacements, 3 rotations) of the end face at high z by each of the six loads ``(6, 6)``.
+    end_motions: Array
+    #: Axial position of the screw's end at low z [m].
+    low_end: float
+    #: Axial position of the screw's end at high z [m].
+    high_end: float
+
+
+def screw_motions_by_end_wrench(scene: Scene, layout: BallLayout, backend: ComplianceModel) -> EndWrenchMotions:
     """Return the motions of a screw's contacts and high-z end face by six unit loads on that face, less the beam's motions.
 
     The loads are three forces and three moments. The end face at low z has no mean displacement and no mean rotation.
@@ -298,7 +312,7 @@ def screw_motions_by_end_wrench(
     if backend.flank:
         local = contact_motions_by_section_wrench(scene, layout, True, backend)
         motions[:-6] += section_strain_motions_by_wrench(local, np.repeat(x[:, 2], 2), high)
-    return motions[:-6], 0.5 * (motions[-6:] + motions[-6:].T), low, high
+    return EndWrenchMotions(motions[:-6], 0.5 * (motions[-6:] + motions[-6:].T), low, high)
 
 
 def screw_motions_by_section_wrench(scene: Scene, layout: BallLayout, backend: ComplianceModel, section_z: float) -> Array:

@@ -10,15 +10,12 @@ Flank: geometry of the groove, and the compliance that the curvature of its surf
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from rollbench.lowfi.compliance.fourier import QuadrilateralGrid
-from rollbench.lowfi.compliance.tube import half_lead_cell_grid
+from rollbench.lowfi.compliance.tube import HalfGroove
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Material
 
 #: Mean of ln(distance/contact radius) over pairs of points of a circular contact, weighted by Hertz pressure: 11/12 -
@@ -124,48 +121,9 @@ def sphere_self_compliance(semi_axes: tuple[float, float], radius: float, materi
 #: Standard deviation of the narrow load patch on the grooved body's flank, over the ball's radius.
 NARROW = 0.18
 
-#: Numbers of elements for the narrow patch: along the flank, along the land, in depth.
-MESH = (8, 4, 10)
-
 #: ln of the standard deviation of a circular Gaussian patch with the same mean logarithmic distance as a Hertz pressure of
 #: unit mean semi-axis: 2 ln 2 - 7/4 - (ln 2 - gamma/2).
 GAUSSIAN = float(np.log(2.0) - 1.75 + 0.5 * np.euler_gamma)
-
-
-@dataclass(frozen=True)
-class HalfGroove:
-    """Half a groove of screw, nut or bearing ring, from mid groove to mid land, with the body below it."""
-
-    #: Geometry of the groove.
-    groove_map: GrooveMap
-    #: Radius of the lands, the cylindrical surface between the turns of the groove [m].
-    land_radius: float
-    #: Radius of the plain surface: bore of the screw or outer radius of the nut [m].
-    plain_radius: float
-    #: Whether the body is the screw or inner ring; otherwise it is the nut or outer ring.
-    is_screw: bool
-    #: Axial distance from mid groove to mid land [m]: half a lead, or half the width of a ring.
-    half_length: float
-    #: Material of the body.
-    material: Material
-
-    @property
-    def flank_number(self) -> int:
-        """Number of the right flank, which is computed: 1 of the screw or 3 of the nut; the left is its mirror image."""
-        return 1 if self.is_screw else 3
-
-    def finite_element_grid(self) -> QuadrilateralGrid:
-        """Return the finite-element grid of the body between mid groove and mid land."""
-        return half_lead_cell_grid(
-            self.groove_map, self.land_radius, self.plain_radius, self.is_screw, MESH, self.half_length
-        )
-
-    def contact_position(self) -> tuple[float, float]:
-        """Return the position of the nominal contact [m]: distance from the axis, then axial distance from mid groove."""
-        m = self.groove_map
-        x3, z3 = m.ball * m.signs[self.flank_number] * np.array([np.cos(m.beta), np.sin(m.beta)])
-        r, zeta, _ = m.section_to_unrolled(np.array(x3), np.array(z3))
-        return float(r), float(zeta)
 
 
 def half_space_compliance(patch_width: float, material: Material) -> float:

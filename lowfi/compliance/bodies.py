@@ -26,6 +26,7 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.lowfi.compliance import between, beyond_hertz, parts
+from rollbench.lowfi.compliance.between import EndWrenchMotions
 from rollbench.lowfi.compliance.parts import BOTH, REFINED, ComplianceModel
 from rollbench.lowfi.compliance.tube import clamped_beam_compliance, contact_motions_by_rigid_motions
 from rollbench.meshes.arrays import Array
@@ -225,21 +226,6 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Compl
     return BallCompliance(alone, slope, float(np.sqrt(abs(across))), float(np.sign(across)))
 
 
-@dataclass(frozen=True)
-class EndWrenchMotions:
-    """Motions of a screw by six unit loads (3 forces, 3 moments) on its end face at high z, beyond those of its beam."""
-
-    #: Motions of the contacts by each of the six loads: all left contacts, then all right contacts, along the radial and
-    #: the binormal axis each ``(4 N, 6)``.
-    contact_motions: Array
-    #: Six mean motions (3 displacements, 3 rotations) of the end face at high z by each of the six loads ``(6, 6)``.
-    end_motions: Array
-    #: Axial position of the screw's end at low z [m].
-    low_end: float
-    #: Axial position of the screw's end at high z [m].
-    high_end: float
-
-
 def screw_response_to_end_wrench(scene: Scene, layout: BallLayout, backend: ComplianceModel) -> EndWrenchMotions | None:
     """Return the motions of a screw's contacts and high-z end face by six unit loads on that face, less the beam's motions.
 
@@ -252,14 +238,14 @@ def screw_response_to_end_wrench(scene: Scene, layout: BallLayout, backend: Comp
     geometry, azimuths = parts.compliance_geometry_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
         return _cached_response_to_end_wrench(geometry, backend)
-    return EndWrenchMotions(*between.screw_motions_by_end_wrench(geometry, layout, backend))
+    return between.screw_motions_by_end_wrench(geometry, layout, backend)
 
 
 @lru_cache(maxsize=64)
 @cached_on_disk(EndWrenchMotions)
 def _cached_response_to_end_wrench(scene: Scene, backend: ComplianceModel) -> EndWrenchMotions:
     """Return the result of `screw_response_to_end_wrench` for the balls of a scene, cached in memory and on disk."""
-    return EndWrenchMotions(*between.screw_motions_by_end_wrench(scene, ball_layout(scene), backend))
+    return between.screw_motions_by_end_wrench(scene, ball_layout(scene), backend)
 
 
 def screw_response_to_section_wrench(scene: Scene, layout: BallLayout, backend: ComplianceModel, section_z: float) -> Array:
@@ -423,14 +409,16 @@ def nominal_normals_matrix(scene: Scene, N: int, sides: list[int]) -> Array:
     columns are two axes for each ball on the left flank, then on the right flank; its rows go ball after ball, each with
     all flanks of ``sides``.
     """
+    out, ball = np.zeros((N, len(sides), 2, N, 2)), np.arange(N)
+    for k, (s, normal) in enumerate(zip(sides, nominal_normals(scene, sides), strict=True)):
+        out[ball, k, s % 2, ball] = normal
+    return out.reshape(N * len(sides), 4 * N)
+
+
+def nominal_normals(scene: Scene, sides: list[int]) -> Array:
+    """Return the nominal contact normals ``(k, 2)`` of k flanks in the section planes of the balls; ``sides``: numbers."""
     beta = scene.track.contact_angle
-    out = np.zeros((N * len(sides), 4 * N))
-    for k, s in enumerate(sides):
-        direction = np.array(SIDE_SIGNS[s]) * np.array([np.cos(beta), np.sin(beta)])
-        for i in range(N):
-            first = 2 * ((s % 2) * N + i)
-            out[i * len(sides) + k, first : first + 2] = direction
-    return out
+    return np.asarray(np.array(SIDE_SIGNS)[sides] * np.array([np.cos(beta), np.sin(beta)]))
 
 
 def normal_and_tangent_matrices(scene: Scene, N: int, sides: list[int], normal_flanks: list[int]) -> tuple[Array, Array]:
@@ -441,21 +429,15 @@ def normal_and_tangent_matrices(scene: Scene, N: int, sides: list[int], normal_f
     unit row along the normal for each ball and each flank of ``normal_flanks``, ``(N k, 2 N f)``; the rows of the second
     complete it to an orthonormal basis.
     """
-    beta = scene.track.contact_angle
-    along: list[Array] = []
-    across: list[Array] = []
-    for i in range(N):
-        for k, s in enumerate(sides):
-            first = 2 * (i * len(sides) + k)
-            normal = np.array(SIDE_SIGNS[s]) * np.array([np.cos(beta), np.sin(beta)])
-            for direction, rows in (
-                (normal, along if s in normal_flanks else across),
-                (np.array([-normal[1], normal[0]]), across),
-            ):
-                row = np.zeros(2 * N * len(sides))
-                row[first : first + 2] = direction
-                rows.append(row)
-    return np.array(along), np.array(across)
+    normals, pressed = nominal_normals(scene, sides), np.isin(sides, normal_flanks)
+    rows = np.zeros((N, len(sides), 2, N, len(sides), 2))  # normal, then tangent of each contact
+    ball, side = np.arange(N)[:, None], np.arange(len(sides))
+    rows[ball, side, 0, ball, side] = normals
+    rows[ball, side, 1, ball, side] = np.stack([-normals[:, 1], normals[:, 0]], axis=1)
+    along, free, across = (
+        x.reshape(-1, 2 * N * len(sides)) for x in (rows[:, pressed, 0], rows[:, ~pressed, 0], rows[:, :, 1])
+    )
+    return along, np.concatenate([free, across])
 
 
 #: Largest size of a matrix whose eigenvalues are all computed, in a time that grows as its cube; for a larger matrix only

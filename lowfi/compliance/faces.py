@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rollbench.lowfi.compliance import fourier, groove, tube
-from rollbench.lowfi.compliance.beyond_hertz import NARROW, HalfGroove, half_space_compliance
+from rollbench.lowfi.compliance.beyond_hertz import NARROW, half_space_compliance
+from rollbench.lowfi.compliance.tube import HalfGroove
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import UnfitKey
 from rollbench.meshes.section import BeamSection
@@ -198,7 +199,7 @@ def compute_groove_and_face_compliance(
 
 def _check_groove_reaches_contact(flank: HalfGroove) -> None:
     """Raise UnfitKey if the groove ends at the land before it reaches the nominal contact."""
-    edge = tube.flank_profile_points(flank.groove_map, flank.land_radius, flank.is_screw, 2)[1][-1]
+    edge = flank.profile_points(2)[1][-1]
     if flank.contact_position()[1] < edge:
         return
     body, key = ("screw", "screw.outer_diameter") if flank.is_screw else ("nut", "solid.nut_inner_diameter")
@@ -334,11 +335,7 @@ def grooved_body_grid(flank: HalfGroove, mesh: tuple[int, int]) -> tuple[fourier
     faces = np.arange(0, z.size, 2)[z[::2] > edge - 0.01 * ball]
     cuts = sorted({int(faces[np.abs(z[faces] - x * ball).argmin()]) for x in CUTS})
     power = np.log(abs(flank.land_radius - flank.plain_radius) / (FIRST * ball)) / np.log(mesh[1])
-    share = fourier.node_positions_with_mid_nodes(1.0 - np.linspace(1.0, 0.0, mesh[1] + 1) ** max(power, 1.0))
-    inner, outer = (np.full_like(r, flank.plain_radius), r) if flank.is_screw else (r, np.full_like(r, flank.plain_radius))
-    depth = share if flank.is_screw else (1.0 - share)[::-1]
-    radii = inner[:, None] + depth * (outer - inner)[:, None]
-    return fourier.QuadrilateralGrid(radii, np.broadcast_to(z[:, None], radii.shape).copy()), cuts
+    return flank.grid_below_surface(r, z, 1.0 - np.linspace(1.0, 0.0, mesh[1] + 1) ** max(power, 1.0)), cuts
 
 
 def groove_surface_nodes(flank: HalfGroove, count: int, ends: Array) -> tuple[Array, Array]:
@@ -353,7 +350,7 @@ def groove_surface_nodes(flank: HalfGroove, count: int, ends: Array) -> tuple[Ar
     ends
         Distances of the land's element ends from the edge of the groove [m].
     """
-    r, z = tube.flank_profile_points(flank.groove_map, flank.land_radius, flank.is_screw, 2 * count + 1)
+    r, z = flank.profile_points(2 * count + 1)
     land = flank.half_length - float(z[-1])
     inside = ends[ends < land - 0.15 * flank.groove_map.ball]
     along = fourier.node_positions_with_mid_nodes(np.concatenate([[0.0], inside, [land]]))[1:]
@@ -390,7 +387,7 @@ def flank_patch_loads(
     for away, (place, along) in enumerate(zip(places, directions, strict=True)):
         pressing = normals * np.sign(normals @ along)[:, None]
         for kind, direction in enumerate((along, perpendicular_directions(along))[:direction_count]):
-            share = groove.gaussian_patch_weights(grid, line, place, width, moment=kind)[0]
+            share = groove.gaussian_patch_weights(grid, line, place, width, moment=kind)
             for k, cut in enumerate(face_lines):
                 force = share[: cut + 1, None] * pressing[: cut + 1]
                 total = share[: cut + 1].sum() if kind == 0 else (force @ direction).sum()
@@ -429,7 +426,7 @@ def contact_positions_and_directions(flank: HalfGroove, low: float) -> tuple[Arr
     the next groove turn at lower z follow if the body, which begins at z = ``low`` [m], contains it.
     """
     m = flank.groove_map
-    place, along = flank.contact_position()[1], m.signs[flank.flank_number] * np.array([np.cos(m.beta), np.sin(m.beta)])
+    place, along = flank.contact_position()[1], flank.nominal_normal
     places, turns = np.array([place, -place]), 2 if low < -2.0 * flank.half_length - m.ball else 1
     shifted = [places - 2.0 * flank.half_length * turn for turn in range(turns)]
     return np.concatenate(shifted), np.concatenate([[along, along * np.array([1.0, -1.0])]] * turns)

@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rollbench.lowfi.compliance import fourier, tube
-from rollbench.lowfi.compliance.beyond_hertz import NARROW, HalfGroove
-from rollbench.meshes.arrays import Array
+from rollbench.lowfi.compliance.beyond_hertz import NARROW
+from rollbench.lowfi.compliance.tube import HalfGroove
+from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.section import BeamSection
 
@@ -47,7 +48,7 @@ def groove_layer(flank: HalfGroove, section: BeamSection) -> fourier.GrooveLayer
 
     With it the smooth nut has the axial and torsional stiffness of the grooved ``section``.
     """
-    r, zeta = (x[::-1] for x in tube.flank_profile_points(flank.groove_map, flank.land_radius, flank.is_screw, 33))
+    r, zeta = (x[::-1] for x in flank.profile_points(33))
     share = np.maximum(1.0 - zeta / flank.half_length, LEAST_SHARE)
     young, shear, (root, far) = flank.material.youngs_modulus, flank.material.shear_modulus, (r[-1], flank.plain_radius)
     area = section.EA / (np.pi * young) - (far**2 - root**2)
@@ -73,7 +74,7 @@ def contact_motions_by_tension_and_moment(flank: HalfGroove, smooth: tube.Smooth
     """
     grid, (radius, zeta) = flank.finite_element_grid(), flank.contact_position()
     line, (r_ends, loaded) = grid.shape[1] - 1 if flank.is_screw else 0, tube.radial_element_ends(smooth)
-    share = gaussian_patch_weights(grid, line, zeta, NARROW * flank.groove_map.ball)[0]
+    share = gaussian_patch_weights(grid, line, zeta, NARROW * flank.groove_map.ball)
     plain = fourier.tube_grid(r_ends, np.array([0.0, flank.half_length]))
     out = np.empty((2, 2))
     for k, kind in enumerate(("axial", "bending")):
@@ -90,9 +91,7 @@ def contact_motions_by_tension_and_moment(flank: HalfGroove, smooth: tube.Smooth
     return out
 
 
-def gaussian_patch_weights(
-    grid: fourier.QuadrilateralGrid, line: int, zeta: float, width: float, moment: int = 0
-) -> tuple[Array, Array]:
+def gaussian_patch_weights(grid: fourier.QuadrilateralGrid, line: int, zeta: float, width: float, moment: int = 0) -> Array:
     """Return the weights ``(k,)`` of a Gaussian load patch on k surface nodes of a flank, then their axial positions.
 
     The patch is Gaussian in the arc length from the point at z = ``zeta`` and has the standard deviation ``width`` [m].
@@ -120,7 +119,7 @@ def gaussian_patch_weights(
     out = np.zeros(r.size)
     for e, a in enumerate(range(0, r.size - 2, 2)):
         out[a : a + 3] += N.T @ (density * away**moment)[8 * e : 8 * e + 8]
-    return out, z
+    return out
 
 
 def sampled_harmonics(limit: float, step: float = 1.28, first: int = 0) -> Array:
@@ -174,25 +173,23 @@ def nodal_forces_along_flank_normals(
     ``grid``: grid of the body; ``width``: standard deviation of the Gaussian patch [m].
     """
     line = grid.shape[1] - 1 if flank.is_screw else 0
-    share, _ = gaussian_patch_weights(grid, line, zeta, width)
-    m = flank.groove_map
-    nominal = m.signs[flank.flank_number] * np.array([np.cos(m.beta), np.sin(m.beta)])
+    share = gaussian_patch_weights(grid, line, zeta, width)
     normals = flank_normals(grid, line)
-    return np.asarray(share[:, None] * normals * np.sign(normals @ nominal)[:, None])
+    return np.asarray(share[:, None] * normals * np.sign(normals @ flank.nominal_normal)[:, None])
 
 
 def patch_self_motion_harmonics(
-    flank: HalfGroove, grid: fourier.QuadrilateralGrid, load_cases: tuple[Array, Array], harmonics: Array
+    flank: HalfGroove, grid: fourier.QuadrilateralGrid, force: Array, harmonics: Array
 ) -> Array:
-    """Return k Fourier harmonics of the motion of a load patch on one groove flank by a unit load on itself ``(k,)`` [m/N].
+    """Return the motion of a load patch on one flank by its own unit load in each harmonic [m/N].
 
-    ``grid``: grid of the body; ``harmonics`` ``(k,)``: numbers of the harmonics; ``load_cases``: nodal forces of two load
-    cases, symmetric and antisymmetric to mid groove; the mean of both motions is that of one loaded flank.
+    It is the mean of the motions by loads on both flanks, symmetric and antisymmetric to mid groove. ``force``: nodal
+    forces ``(lines in z, lines in r, 3)`` of the patch on the grid ``grid``.
     """
     rows, columns = grid.shape
     turned = fourier.QuadrilateralGrid(grid.r[::-1], -grid.z[::-1])  # so that the plane at mid groove is last
     body = fourier.BodyOfRevolution(turned, flank.material)
-    forces = np.stack([(force[::-1] * np.array([1.0, 1.0, -1.0])).ravel() for force in load_cases], axis=1)
+    loads = (force[::-1] * np.array([1.0, 1.0, -1.0])).reshape(-1, 1)
     held = np.zeros((rows, columns, 3), dtype=bool)
     held[0] = True
     if not flank.is_screw:
@@ -201,24 +198,20 @@ def patch_self_motion_harmonics(
     for k, harmonic in enumerate(harmonics.tolist()):
         free, bands = body.free_stiffness_bands(harmonic, held)
         along = np.flatnonzero(free[-3 * columns :]) % 3 == 2
-        S, g, work = fourier.condense_to_last_freedoms(bands, harmonic, forces[free], along.size)
+        S, g, work = fourier.condense_to_last_freedoms(bands, harmonic, loads[free], along.size)
         for case, moves in enumerate((~along, along)):  # symmetric, antisymmetric to mid groove
-            pressed = g[moves, case]
-            values[k, case] = work[case, case] + pressed @ np.linalg.solve(S[np.ix_(moves, moves)], pressed)
+            values[k, case] = work[0, 0] + g[moves, 0] @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves, 0])
     return np.asarray(values.mean(axis=1))
 
 
-def symmetric_and_antisymmetric_loads(
-    flank: HalfGroove, grid: fourier.QuadrilateralGrid, width: float
-) -> tuple[Array, Array]:
-    """Return nodal forces of a load patch of 1 N along a flank's normals, symmetric, then antisymmetric to mid groove.
+def forces_of_patch(flank: HalfGroove, grid: fourier.QuadrilateralGrid, width: float) -> Array:
+    """Return the nodal forces ``(lines in z, lines in r, 3)`` of a unit load on the nominal contact of a flank.
 
-    Only one half of the groove is computed. On it the nodal forces of both cases are the same; the cases differ in what is
-    held at mid groove (see `patch_self_motion_harmonics`). ``width``: standard deviation of the patch [m].
+    ``grid``: grid of the body; ``width``: standard deviation of the Gaussian patch [m].
     """
     force, line = np.zeros((*grid.shape, 3)), grid.shape[1] - 1 if flank.is_screw else 0
     force[:, line, ::2] = nodal_forces_along_flank_normals(flank, grid, width, flank.contact_position()[1])
-    return force, force
+    return force
 
 
 def motion_unresolved_by_grid(flank: HalfGroove, coarse: fourier.QuadrilateralGrid, last: int) -> float:
@@ -229,7 +222,7 @@ def motion_unresolved_by_grid(flank: HalfGroove, coarse: fourier.QuadrilateralGr
     """
     fine, radius, width = flank.finite_element_grid(), flank.contact_position()[0], NARROW * flank.groove_map.ball
     low, high = np.unique([min(2, last), last // 4, last // 2, last]), sampled_harmonics(2.6 * radius / width, first=last)
-    on_fine, on_coarse = (symmetric_and_antisymmetric_loads(flank, grid, width) for grid in (fine, coarse))
+    on_fine, on_coarse = (forces_of_patch(flank, grid, width) for grid in (fine, coarse))
     sampled = patch_self_motion_harmonics(flank, fine, on_fine, np.concatenate([low[:-1], high]))
     change = sampled[: low.size] - patch_self_motion_harmonics(flank, coarse, on_coarse, low)
     harmonics = np.arange(high[-1] + 1.0)
@@ -268,7 +261,6 @@ def ring_compliance(flank: HalfGroove, fixed_surface: str) -> GrooveRingComplian
     """
     half = flank.finite_element_grid()
     grid = fourier.QuadrilateralGrid(np.concatenate([half.r[:0:-1], half.r]), np.concatenate([-half.z[:0:-1], half.z]))
-    body = fourier.BodyOfRevolution(grid, flank.material)
     fixed = np.zeros((*grid.shape, 3), dtype=bool)
     fixed[0 if fixed_surface == "low" else slice(0, 0)] = True
     fixed[[0, -1] if fixed_surface == "both" else -1 if fixed_surface == "high" else slice(0, 0)] = True
@@ -277,26 +269,54 @@ def ring_compliance(flank: HalfGroove, fixed_surface: str) -> GrooveRingComplian
     line, width = (grid.shape[1] - 1 if flank.is_screw else 0), NARROW * flank.groove_map.ball
     rows = np.zeros((5, *grid.shape, 3))
     if flank.groove_map.touches_at_apex:  # both flanks are the same patch
-        share, _ = gaussian_patch_weights(grid, line, 0.0, width)
+        share = gaussian_patch_weights(grid, line, 0.0, width)
         rows[0, :, line, 0] = rows[2, :, line, 0] = rows[1, :, line, 2] = rows[3, :, line, 2] = share
         rows[4, :, line, ::2] = nodal_forces_along_flank_normals(flank, grid, width, 0.0)
     else:
-        share, _ = gaussian_patch_weights(half, line, zeta, width)
+        share = gaussian_patch_weights(half, line, zeta, width)
         count = half.shape[0]
         rows[0, :count, line, 0] = rows[1, :count, line, 2] = share[::-1]
         rows[2, count - 1 :, line, 0] = rows[3, count - 1 :, line, 2] = share
         rows[4, count - 1 :, line, ::2] = nodal_forces_along_flank_normals(flank, half, width, zeta)
-    n = sampled_harmonics(2.6 * radius / width)
-    free = ~fixed.ravel()
-    bands, loads = body.stiffness_bands(free), rows.reshape(5, -1)[:, free].T
-    sampled = np.array([loads.T @ fourier.solve_harmonic_displacements(bands, harmonic, loads) for harmonic in n.tolist()])
-    harmonics = np.arange(n[-1] + 1.0)
-    S = interpolate_harmonics(n, sampled)
-    m = flank.groove_map
-    nominal = np.array([np.cos(m.beta), np.sin(m.beta)]) * m.signs[flank.flank_number]
-    turned = S[:, 4, 4] - np.einsum("a,nab,b->n", nominal, S[:, 2:4, 2:4], nominal)
-    correction = float(gaussian_patch_harmonic_factors(harmonics, width, radius) @ turned)
+    S, correction = patch_harmonics_and_correction(
+        flank, fourier.BodyOfRevolution(grid, flank.material), fixed, rows, width
+    )
     return GrooveRingCompliance(S[:, :4, :4], correction, width, radius)
+
+
+def patch_harmonics_and_correction(
+    flank: HalfGroove, body: fourier.BodyOfRevolution, held: Mask, rows: Array, width: float
+) -> tuple[Array, float]:
+    """Return the motions of load patches on a ring in each harmonic, and what loads along the surface normals change.
+
+    Parameters
+    ----------
+    flank
+        Groove of the ring.
+    body
+        Finite elements of the ring.
+    held
+        Which degrees of freedom are fixed, of the shape of a row of ``rows``.
+    rows
+        Nodal forces ``(k, lines in z, lines in r, 3)`` of k unit loads. The last three act on one flank: along r, along z,
+        and along the local surface normals.
+    width
+        Standard deviation of the Gaussian patches [m].
+
+    Returns
+    -------
+    tuple[Array, float]
+        Motions by the loads ``(harmonics, k, k)`` [m/N]; and the compliance of a contact by pressure along the local
+        surface normals less that along the nominal normal [m/N].
+    """
+    radius, normal, free = flank.contact_position()[0], flank.nominal_normal, ~held.ravel()
+    n = sampled_harmonics(2.6 * radius / width)
+    bands, loads = body.stiffness_bands(free), rows.reshape(len(rows), -1)[:, free].T
+    sampled = np.array([loads.T @ fourier.solve_harmonic_displacements(bands, harmonic, loads) for harmonic in n.tolist()])
+    S = interpolate_harmonics(n, sampled)
+    turned = S[:, -1, -1] - np.einsum("a,nab,b->n", normal, S[:, -3:-1, -3:-1], normal)
+    factors = gaussian_patch_harmonic_factors(np.arange(n[-1] + 1.0), width, radius)
+    return S, float(factors @ turned)
 
 
 def gaussian_patch_harmonic_factors(harmonics: Array, width: float, radius: float) -> Array:

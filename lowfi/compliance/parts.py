@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from rollbench.lowfi.compliance import groove, tube
-from rollbench.lowfi.compliance.beyond_hertz import HalfGroove
+from rollbench.lowfi.compliance.tube import HalfGroove
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.groove_map import GrooveMap
@@ -187,8 +187,7 @@ def grooved_body_section(flank: HalfGroove) -> BeamSection:
     """
     if flank.groove_map.rg == 0.0:
         return tube_section(2.0 * flank.plain_radius, 2.0 * groove.equivalent_cylinder_radius(flank, 2), flank.material)
-    dimensions = (flank.groove_map, flank.land_radius, flank.plain_radius, flank.is_screw)
-    return tube.grooved_beam_section(*dimensions, flank.material).section
+    return tube.grooved_beam_section(flank)
 
 
 def smooth_body(geometry: Scene, screw: bool, backend: ComplianceModel) -> tube.SmoothBody:
@@ -249,5 +248,5 @@ def compliance_block_of_flanks(G: Array, flanks: Sequence[int]) -> Array:
     """
     if len(flanks) == len(BOTH):
         return G
-    half = len(G) // 2
-    return np.concatenate([np.concatenate([G[i * half :][:half, j * half :][:, :half] for j in flanks], 1) for i in flanks])
+    half, chosen = len(G) // 2, list(flanks)
+    return G.reshape(2, half, 2, half)[chosen][:, :, chosen].reshape((half * len(chosen),) * 2)

@@ -22,147 +22,142 @@ from rollbench.meshes.section import BeamSection, shear_coefficient, tube_sectio
 
 #: Numbers of finite elements of half a lead: along the groove's flank, along the land, and in depth.
 MESH = (8, 5, 8)
+#: The same for a narrow load patch on the flank.
+PATCH_MESH = (8, 4, 10)
 
 
 @dataclass(frozen=True)
-class GroovedBeamSection:
-    """Beam section of a grooved shaft or nut, with the radii of plain cylinders of equal stiffness."""
+class HalfGroove:
+    """Half a groove of screw, nut or bearing ring, from mid groove to mid land, with the body below it."""
 
-    #: Stiffnesses of the equivalent beam's cross-section.
-    section: BeamSection
-    #: Radii [m] of three plain cylinders with the same axial, bending and torsional stiffness, respectively: outer radius
-    #: of a shaft, bore radius of a nut.
-    equivalent_radii: tuple[float, float, float]
+    #: Geometry of the groove.
+    groove_map: GrooveMap
+    #: Radius of the lands, the cylindrical surface between the turns of the groove [m].
+    land_radius: float
+    #: Radius of the plain surface: bore of the screw or outer radius of the nut [m].
+    plain_radius: float
+    #: Whether the body is the screw or inner ring; otherwise it is the nut or outer ring.
+    is_screw: bool
+    #: Axial distance from mid groove to mid land [m]: half a lead, or half the width of a ring.
+    half_length: float
+    #: Material of the body.
+    material: Material
+
+    @property
+    def flank_number(self) -> int:
+        """Number of the right flank, which is computed: 1 of the screw or 3 of the nut; the left is its mirror image."""
+        return 1 if self.is_screw else 3
+
+    @property
+    def nominal_normal(self) -> Array:
+        """Direction ``(2,)`` of the nominal contact load in the plane (r, z)."""
+        m = self.groove_map
+        return np.asarray(m.signs[self.flank_number] * np.array([np.cos(m.beta), np.sin(m.beta)]))
+
+    def contact_position(self) -> tuple[float, float]:
+        """Return the position of the nominal contact [m]: distance from the axis, then axial distance from mid groove."""
+        m = self.groove_map
+        x3, z3 = m.ball * self.nominal_normal
+        r, zeta, _ = m.section_to_unrolled(np.array(x3), np.array(z3))
+        return float(r), float(zeta)
+
+    def profile_points(self, count: int) -> tuple[Array, Array]:
+        """Return points on one groove flank from the apex to the edge of the land: radii, then axial positions [m].
+
+        Each array is ``(count,)``; the axial position is zero at the apex.
+
+        Raises
+        ------
+        ValueError
+            The cylinder of the land does not cut the flank.
+        """
+        m, side = self.groove_map, self.flank_number
+        centre, radius = m.centre[side], m.radius[side]
+        apex = np.arcsin(np.clip(-m.signs[side, 1] * centre[1] / radius, -1.0, 1.0))
+        low, high = apex, 0.5 * pi - 1e-6
+        sign = -1.0 if self.is_screw else 1.0
+
+        def is_beyond_land(gamma: float) -> bool:
+            """Return whether the flank's point at the contact angle gamma [rad] lies past the cylinder of the land."""
+            x3, z3 = m.polar_to_section(side, np.array(gamma), radius)
+            return bool(sign * (float(m.section_to_unrolled(x3, z3)[0]) - self.land_radius) < 0.0)
+
+        if is_beyond_land(low) or not is_beyond_land(high):
+            raise ValueError(
+                "the cylinder of the land does not cut the groove's flank; allowed: a land radius between the groove's "
+                "apex and the end of the groove's arc"
+            )
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if is_beyond_land(middle) else (middle, high)
+        x3, z3 = m.polar_to_section(side, np.linspace(apex, low, count), radius)
+        r, zeta, _ = m.section_to_unrolled(x3, z3)
+        zeta[0], r[-1] = 0.0, self.land_radius
+        return r, zeta
+
+    def finite_element_grid(self, mesh: tuple[int, int, int] = PATCH_MESH) -> fourier.QuadrilateralGrid:
+        """Return the finite-element grid of the body between mid groove and mid land.
+
+        ``mesh``: numbers of elements along the flank, along the land, and in depth. Raises ValueError if the grooves of
+        neighbouring turns overlap.
+        """
+        r, zeta = self.profile_points(2 * mesh[0] + 1)
+        if zeta[-1] >= self.half_length:
+            raise ValueError("the grooves of neighbouring turns overlap: increase the lead or make the groove narrower")
+        along = fourier.node_positions_with_mid_nodes(np.linspace(zeta[-1], self.half_length, mesh[1] + 1))[1:]
+        surface, z = np.append(r, np.full(along.size, self.land_radius)), np.append(zeta, along)
+        return self.grid_below_surface(surface, z, 1.0 - np.linspace(1.0, 0.0, mesh[2] + 1) ** 1.5)
+
+    def grid_below_surface(self, r: Array, z: Array, depth_ends: Array) -> fourier.QuadrilateralGrid:
+        """Return the grid with nodes (r, z) [m] on the grooved surface and lines from there to the plain surface.
+
+        ``depth_ends``: ends of the elements on a line, from 0 at the screw's bore to 1 at its surface; in a nut the line
+        begins at the grooved surface.
+        """
+        share = fourier.node_positions_with_mid_nodes(depth_ends)
+        plain = np.full_like(r, self.plain_radius)
+        low, high, depth = (plain, r, share) if self.is_screw else (r, plain, (1.0 - share)[::-1])
+        radii = low[:, None] + depth * (high - low)[:, None]
+        return fourier.QuadrilateralGrid(radii, np.broadcast_to(z[:, None], radii.shape).copy())
 
 
-def flank_profile_points(groove_map: GrooveMap, land_radius: float, screw: bool, count: int) -> tuple[Array, Array]:
-    """Return points on one groove flank from the apex to the edge of the land: radii, then axial positions [m].
-
-    Each array is ``(count,)``; the axial position is zero at the apex. ``groove_map``: geometry of the groove;
-    ``land_radius``: radius of the land, the cylindrical surface between the turns of the groove [m]; ``screw``: whether the
-    body is the screw (True) or the nut.
-
-    Raises
-    ------
-    ValueError
-        The cylinder of the land does not cut the flank.
-    """
-    side = 1 if screw else 3
-    centre, radius = groove_map.centre[side], groove_map.radius[side]
-    apex = np.arcsin(np.clip(-groove_map.signs[side, 1] * centre[1] / radius, -1.0, 1.0))
-    low, high = apex, 0.5 * pi - 1e-6
-    sign = -1.0 if screw else 1.0
-
-    def is_beyond_land(gamma: float) -> bool:
-        """Return whether the flank's point at the contact angle gamma [rad] lies past the cylinder of the land."""
-        x3, z3 = groove_map.polar_to_section(side, np.array(gamma), radius)
-        return bool(sign * (float(groove_map.section_to_unrolled(x3, z3)[0]) - land_radius) < 0.0)
-
-    if is_beyond_land(low) or not is_beyond_land(high):
-        raise ValueError(
-            "the cylinder of the land does not cut the groove's flank; allowed: a land radius between the groove's apex "
-            "and the end of the groove's arc"
-        )
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if is_beyond_land(middle) else (middle, high)
-    x3, z3 = groove_map.polar_to_section(side, np.linspace(apex, low, count), radius)
-    r, zeta, _ = groove_map.section_to_unrolled(x3, z3)
-    zeta[0], r[-1] = 0.0, land_radius
-    return r, zeta
-
-
-def half_lead_cell_grid(
-    groove_map: GrooveMap,
-    land_radius: float,
-    plain_radius: float,
-    screw: bool,
-    mesh: tuple[int, int, int] = MESH,
-    half_length: float | None = None,
-) -> fourier.QuadrilateralGrid:
-    """Return the finite-element grid of half a lead of screw or nut, between mid groove and mid land.
-
-    Parameters
-    ----------
-    groove_map
-        Geometry of the groove.
-    land_radius
-        Radius of the lands [m].
-    plain_radius
-        Radius of the plain surface: bore of the screw or outer radius of the nut [m].
-    screw
-        Whether the body is the screw; otherwise it is the nut.
-    mesh
-        Numbers of elements along the flank, along the land, and in depth.
-    half_length
-        For a body without lead: its length on each side of mid groove [m]; None for a body with a lead.
-
-    Raises
-    ------
-    ValueError
-        The grooves of neighbouring turns overlap.
-    """
-    half_length = pi * abs(groove_map.rg) / groove_map.starts if half_length is None else half_length
-    r, zeta = flank_profile_points(groove_map, land_radius, screw, 2 * mesh[0] + 1)
-    if zeta[-1] >= half_length:
-        raise ValueError("the grooves of neighbouring turns overlap: increase the lead or make the groove narrower")
-    along = fourier.node_positions_with_mid_nodes(np.linspace(zeta[-1], half_length, mesh[1] + 1))[1:]
-    surface, z = np.append(r, np.full(along.size, land_radius)), np.append(zeta, along)
-    share = fourier.node_positions_with_mid_nodes(1.0 - np.linspace(1.0, 0.0, mesh[2] + 1) ** 1.5)
-    low, high = (np.full_like(surface, plain_radius), surface) if screw else (surface, np.full_like(surface, plain_radius))
-    depth = share if screw else (1.0 - share)[::-1]
-    radii = low[:, None] + depth * (high - low)[:, None]
-    return fourier.QuadrilateralGrid(radii, np.broadcast_to(z[:, None], radii.shape).copy())
-
-
-def grooved_beam_section(
-    groove_map: GrooveMap, land_radius: float, plain_radius: float, screw: bool, material: Material
-) -> GroovedBeamSection:
+def grooved_beam_section(flank: HalfGroove) -> BeamSection:
     """Return the beam stiffnesses of a grooved shaft or nut, by finite elements of half a lead.
+
+    ``flank``: half a groove of the body. Raises ValueError if the groove has no lead.
+    """
+    if flank.groove_map.rg == 0.0:
+        raise ValueError(
+            "the beam section of a grooved shaft is computed on half a lead and needs a lead other than 0, got 0"
+        )
+    body = fourier.BodyOfRevolution(flank.finite_element_grid(MESH), flank.material)
+    return section_of_cell(body, flank.plain_radius, flank.is_screw, flank.material)
+
+
+def section_of_cell(body: fourier.BodyOfRevolution, plain_radius: float, shaft: bool, material: Material) -> BeamSection:
+    """Return the beam stiffnesses of a shaft or tube from a cell of it between two planes of symmetry.
 
     The shear stiffness is that of the plain cylinder with the same torsional stiffness, because a shear force and a torque
     both shear the body along its axis.
 
     Parameters
     ----------
-    groove_map
-        Geometry of the groove; ValueError if it has no lead.
-    land_radius
-        Radius of the lands [m].
+    body
+        Finite elements of the cell, which begins at z = 0.
     plain_radius
-        Bore radius of the shaft, or outer radius of the nut [m].
-    screw
-        Whether the body is the screw; otherwise it is the nut.
+        Bore radius of the shaft, or outer radius of the tube [m].
+    shaft
+        Whether the body is a shaft; otherwise it is a tube.
     material
         Material of the body.
     """
-    if groove_map.rg == 0.0:
-        raise ValueError(
-            "the beam section of a grooved shaft is computed on half a lead and needs a lead other than 0, got 0"
-        )
-    grid = half_lead_cell_grid(groove_map, land_radius, plain_radius, screw)
-    young, poisson = material.youngs_modulus, material.poissons_ratio
-    body = fourier.BodyOfRevolution(grid, material)
-    length = float(grid.z[-1, 0])
-    EA, GJ, EI = (half_lead_stiffness(body, kind) * length for kind in ("axial", "torsion", "bending"))
+    length = float(body.grid.z[-1, 0])
+    EA, GJ, EI = (solve_half_lead_under_unit_motion(body, k)[0] * length for k in ("axial", "torsion", "bending"))
     shear = material.shear_modulus
-    sign = 1.0 if screw else -1.0
-    radii = (
-        float(np.sqrt(plain_radius**2 + sign * EA / (young * pi))),
-        float((plain_radius**4 + sign * 4.0 * EI / (young * pi)) ** 0.25),
-        float((plain_radius**4 + sign * 2.0 * GJ / (shear * pi)) ** 0.25),
-    )
-    outer, bore = (radii[2], plain_radius) if screw else (plain_radius, radii[2])
-    kappa = shear_coefficient(bore / outer, poisson)
-    return GroovedBeamSection(BeamSection(EA, EI, GJ, kappa * shear * pi * (outer**2 - bore**2)), radii)
-
-
-def half_lead_stiffness(body: fourier.BodyOfRevolution, kind: str) -> float:
-    """Return the stiffness of half a lead of a body against a unit motion of one end (`solve_half_lead_under_unit_motion`).
-
-    ``body``: finite elements of half a lead; ``kind``: "axial" (result in N/m), "torsion" or "bending" (N m).
-    """
-    return solve_half_lead_under_unit_motion(body, kind)[0]
+    other = (plain_radius**4 + (1.0 if shaft else -1.0) * 2.0 * GJ / (shear * pi)) ** 0.25
+    outer, bore = (other, plain_radius) if shaft else (plain_radius, other)
+    kappa = shear_coefficient(bore / outer, material.poissons_ratio)
+    return BeamSection(EA, EI, GJ, kappa * shear * pi * (outer**2 - bore**2))
 
 
 def solve_half_lead_under_unit_motion(body: fourier.BodyOfRevolution, kind: str) -> tuple[float, Array]:
@@ -263,13 +258,9 @@ class SmoothBody:
         """Return the section of the beam that has the tube's stiffness far from loads and ends."""
         if self.groove_layer is None:
             return tube_section(2.0 * self.outer_radius, 2.0 * self.bore_radius, self.material)
-        length = self.size[0]
-        slice_ = self.finite_element_body(fourier.tube_grid(radial_element_ends(self)[0], np.array([0.0, length])))
-        EA, GJ, EI = (length * half_lead_stiffness(slice_, kind) for kind in ("axial", "torsion", "bending"))
-        shear, poisson = self.material.shear_modulus, self.material.poissons_ratio
-        bore = (self.outer_radius**4 - 2.0 * GJ / (shear * np.pi)) ** 0.25
-        kappa = shear_coefficient(bore / self.outer_radius, poisson)
-        return BeamSection(EA, EI, GJ, kappa * shear * np.pi * (self.outer_radius**2 - bore**2))
+        ends = radial_element_ends(self)[0], np.array([0.0, self.size[0]])
+        cell = self.finite_element_body(fourier.tube_grid(*ends))
+        return section_of_cell(cell, self.outer_radius, False, self.material)
 
 
 @dataclass(frozen=True)

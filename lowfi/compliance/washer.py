@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from rollbench.lowfi.compliance import fourier, groove
-from rollbench.lowfi.compliance.beyond_hertz import NARROW, HalfGroove
+from rollbench.lowfi.compliance.beyond_hertz import NARROW
+from rollbench.lowfi.compliance.tube import HalfGroove
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.washers import Washer
 
@@ -41,25 +42,19 @@ def washer_compliance(flank: HalfGroove, washer: Washer, fineness: float = 1.0) 
 
     ``flank``: groove of the ring; ``washer``: its cross-section; ``fineness``: factor on the numbers of elements.
     """
-    m, grid = flank.groove_map, washer_grid(washer, fineness)
-    radius, width = flank.contact_position()[0], NARROW * m.ball
+    grid = washer_grid(washer, fineness)
+    radius, width = flank.contact_position()[0], NARROW * flank.groove_map.ball
     upright = fourier.QuadrilateralGrid(grid.z[::-1], grid.r[::-1])  # so that its second coordinate rises along the face
-    share = groove.gaussian_patch_weights(upright, 0, radius, width)[0][::-1]
-    nominal = m.signs[flank.flank_number] * np.array([np.cos(m.beta), np.sin(m.beta)])
+    share = groove.gaussian_patch_weights(upright, 0, radius, width)[::-1]
     normals = groove.flank_normals(grid, 0)
     rows = np.zeros((3, *grid.shape, 3))
     rows[0, :, 0, 0] = rows[1, :, 0, 2] = share
-    rows[2, :, 0, ::2] = share[:, None] * normals * np.sign(normals @ nominal)[:, None]
+    rows[2, :, 0, ::2] = share[:, None] * normals * np.sign(normals @ flank.nominal_normal)[:, None]
     held = np.zeros((*grid.shape, 3), dtype=bool)
     held[:, -1] = True
-    body, free = fourier.BodyOfRevolution(grid, flank.material), ~held.ravel()
-    bands, loads = body.stiffness_bands(free), rows.reshape(3, -1)[:, free].T
-    n = groove.sampled_harmonics(2.6 * radius / width)
-    sampled = np.array([loads.T @ fourier.solve_harmonic_displacements(bands, k, loads) for k in n.tolist()])
-    S = groove.interpolate_harmonics(n, sampled)
+    body = fourier.BodyOfRevolution(grid, flank.material)
+    S, correction = groove.patch_harmonics_and_correction(flank, body, held, rows, width)
     whole: Array = np.zeros((len(S), 4, 4))
     whole[:, 2:, 2:] = S[:, :2, :2]
     whole[:, :2, :2] = S[:, :2, :2] * np.outer(MIRROR, MIRROR)
-    turned = S[:, 2, 2] - np.einsum("a,nab,b->n", nominal, S[:, :2, :2], nominal)
-    factors = groove.gaussian_patch_harmonic_factors(np.arange(n[-1] + 1.0), width, radius)
-    return groove.GrooveRingCompliance(whole, float(factors @ turned), width, radius)
+    return groove.GrooveRingCompliance(whole, correction, width, radius)

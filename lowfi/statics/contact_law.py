@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from rollbench.lowfi.statics.problem import SIGNS
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import SIDE_SIGNS
 from rollbench.meshes.surface import angle_of_profile
 
+#: Signs of radial and axial component of the direction from ball to groove, for each flank SL, SR, NL, NR ``(4, 2)``.
+SIGNS = np.array(SIDE_SIGNS)
 #: Relative size of a Newton step for one unknown after which the iteration ends: as each step squares the error, the result
 #: is then exact to round-off.
 SETTLED = 1e-9

@@ -146,7 +146,7 @@ def _scene_of_parts_only(scene: Scene) -> Scene:
 
 def clear_nominal_caches() -> None:
     """Clear the caches of Hertz constants and curvatures, so that a timed solve that follows computes them again."""
-    for kept in (_cached_curvatures, _cached_hertz_of_parts, _cached_hertz_of_radius, hertz_without_errors):
+    for kept in (_cached_curvatures, _cached_hertz_of_parts, hertz_without_errors):
         kept.cache_clear()
 
 
@@ -154,13 +154,6 @@ def clear_nominal_caches() -> None:
 def _cached_hertz_of_parts(bare: Scene) -> hertz.HertzConstants:
     """Return the Hertz constants ``(4,)`` of error-free parts, from a cache; ``bare``: scene with these parts only."""
     return _make_read_only(hertz_from_curvatures(bare, _cached_curvatures(bare)))
-
-
-@lru_cache(maxsize=64)
-def _cached_hertz_of_radius(bare: Scene, ball_radius: float) -> hertz.HertzConstants:
-    """Return the Hertz constants ``(1, 4)`` of error-free grooves and balls of radius ``ball_radius`` [m], from a cache."""
-    drawn = draw_geometry_with_errors(bare, ball_layout(bare))
-    return _make_read_only(hertz_with_errors(bare, drawn, np.array([ball_radius])))
 
 
 def _make_read_only(constants: hertz.HertzConstants) -> hertz.HertzConstants:
@@ -215,11 +208,10 @@ def hertz_with_errors_if_distinct(scene: Scene, drawn: GeometryWithErrors, ball_
     """
     if not (ball_radius == ball_radius[0]).all():
         return hertz_with_errors(scene, drawn, ball_radius)
-    if drawn.profile_coefficients.size or not (drawn.groove_radii == nominal_groove_radii(scene)).all():
-        return hertz_with_errors(scene, drawn, ball_radius[:1])
-    if ball_radius[0] == scene.balls.radius:
+    nominal = ball_radius[0] == scene.balls.radius and (drawn.groove_radii == nominal_groove_radii(scene)).all()
+    if nominal and not drawn.profile_coefficients.size:
         return hertz_without_errors(scene)
-    return _cached_hertz_of_radius(_scene_of_parts_only(scene), float(ball_radius[0]))
+    return hertz_with_errors(scene, drawn, ball_radius[:1])
 
 
 def hertz_of_every_contact(scene: Scene, drawn: GeometryWithErrors) -> hertz.HertzConstants:
@@ -365,13 +357,13 @@ def hertz_constants_by_scene_choice(scene: Scene, drawn: GeometryWithErrors, bal
         Radii of the balls ``(..., N)`` [m]; None: those in ``drawn``.
     """
     radius = drawn.ball_radii if ball_radius is None else ball_radius
-    kind = scene.ingredients.hertz
+    kind, of_every_ball = scene.ingredients.hertz, (*radius.shape, 4)
     if kind == "as printed":
-        return _repeat_flank_values(np.repeat([x.C for x in misprinted_hertz_of_flanks(scene)], 2), radius.shape)
+        return np.array(np.broadcast_to(np.repeat([x.C for x in misprinted_hertz_of_flanks(scene)], 2), of_every_ball))
     if kind == "error-free":
-        return _repeat_flank_values(hertz_without_errors(scene).C, radius.shape)
+        return np.array(np.broadcast_to(hertz_without_errors(scene).C, of_every_ball))
     if radius.ndim == 1:
-        return _repeat_flank_values(hertz_with_errors_if_distinct(scene, drawn, radius).C, radius.shape)
+        return np.array(np.broadcast_to(hertz_with_errors_if_distinct(scene, drawn, radius).C, of_every_ball))
     from numpy.polynomial.chebyshev import chebinterpolate, chebval
 
     # C is smooth in the radius: a polynomial through few exact values is exact to round-off for all specimens
@@ -381,13 +373,3 @@ def hertz_constants_by_scene_choice(scene: Scene, drawn: GeometryWithErrors, bal
     distinct, of_side = np.unique(series[: shown + 1], axis=1, return_inverse=True)
     values = chebval((radius - middle) / half, distinct)
     return np.stack([values[k] for k in of_side.ravel()], axis=-1)
-
-
-def _repeat_flank_values(row: Array, shape: tuple[int, ...]) -> Array:
-    """Return values of the four flanks as a new array ``(*shape, 4)`` with a row for every ball.
-
-    ``row``: values ``(4,)`` that all balls share, or values of every ball ``(*shape, 4)``.
-    """
-    values = np.empty((*shape, 4))
-    values[...] = row
-    return values

@@ -45,20 +45,12 @@ from rollbench.lowfi.statics.equilibrium import (
     newton_step,
     unbalanced_forces,
 )
-from rollbench.lowfi.statics.problem import (
-    ContactState,
-    PlacedBalls,
-    Problem,
-    SolvedState,
-    build_problem,
-    round_off_approach,
-)
+from rollbench.lowfi.statics.problem import ContactState, Problem, SolvedState, build_problem, round_off_approach
 from rollbench.lowfi.statics.response import LARGEST, FlankCompliance, only_flank_pair
 from rollbench.lowfi.statics.rolling_elements import (
     Balls,
     FlankPairs,
     RollingElements,
-    balls_of_problem,
     between_opposite_flanks,
     first_ball_centres,
     starting_springs,
@@ -69,7 +61,7 @@ from rollbench.lowfi.statics.selection import (
     solutions_clear_of_left_out_flanks,
     touched_flanks,
 )
-from rollbench.lowfi.statics.settle import FORCE_SETTLED, ModelDescription, ResidualScale
+from rollbench.lowfi.statics.settle import FORCE_SETTLED, ResidualScale
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS, model_assumptions
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import GeometryWithErrors
@@ -81,8 +73,6 @@ if TYPE_CHECKING:
     from rollbench.lowfi.compliance.bodies import CondensedCompliance
 
 
-#: Formulation of a solution, as the record of a result states it.
-FORMULATION = "convex energy, bodies condensed to the contacts"
 #: Distance [m] of a ball from a flank that the equations leave out, below which the ball counts as touching it; for elastic
 #: bodies, whose flanks without contacts move in a way that is not computed.
 MARGIN = 0.2e-6
@@ -100,7 +90,7 @@ def residual_scale(problem: Problem, known: float = 0.0) -> ResidualScale:
 
     ``known``: lower bound of the typical force [N] that is known otherwise, such as from a solution. See `residual_scales`.
     """
-    scales = residual_scales(problem, problem.C[None], problem.interference[None], known)
+    scales = residual_scales(problem, problem.balls.C, problem.balls.interference, known)
     return ResidualScale(*(float(x[0]) for x in scales))
 
 
@@ -262,7 +252,7 @@ class SingleNutEquations(settle.StaticEquations):
         force, normal, tangential = np.zeros((len(moved), 4)), np.zeros((len(moved), 4, 2)), np.zeros((len(moved), 4))
         for s, sign in ((a, 1.0), (b, -1.0)):
             force[:, s], normal[:, s], tangential[:, s] = c.force[0, :, 0], sign * c.normal[0, :, 0], c.tangential[0, :, 0]
-        centres = first_ball_centres(balls_of_problem(problem).one_by_one(), moved)  # it follows from both flanks' motions
+        centres = first_ball_centres(problem.balls.one_by_one(), moved)  # it follows from both flanks' motions
         if self.flank_compliance is None and not settle.has_profile_errors(problem):
             centres = place_unloaded_balls_clear(problem, moved, centres, force)
         return (ContactState(problem, force, normal, tangential, centres, moved),)
@@ -353,7 +343,7 @@ class SingleNutEquations(settle.StaticEquations):
         shift = state.flank_motions
         for s in np.flatnonzero(~problem.used_flanks):
             shift[:, s] = shift[:, int(s) ^ 1]
-        parts = state.ball_centres[None], shift[None], problem.contacts[None], state.force[None]
+        parts = state.ball_centres[None], shift[None], problem.balls, state.force[None]
         return bool(solutions_clear_of_left_out_flanks(*parts, problem.used_flanks, MARGIN)[0])
 
     def solved_state(self) -> SolvedState:
@@ -376,21 +366,16 @@ class SingleNutEquations(settle.StaticEquations):
         scale = max(self.residual_force_scale, float(np.abs(held[:, :3]).max(initial=0.0)))
         return SolvedState(self.contact_states()[0], motion, held, scale)
 
-    def model_description(self) -> ModelDescription:
-        """Return the formulation, number of unknowns and assumptions of the model for the record of the solution.
-
-        Among the assumptions is a statement of how much negative compliance of the bodies was set to zero, so that their
-        matrices are positive semidefinite.
-        """
-        build, size = self.problem_input, self.state.phi.size + self.state.a.size
+    def assumed_and_left_out(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Return the assumptions of the model, and the effects that it neglects, as sentences."""
+        build = self.problem_input
         if build.backend == LADDER["lin"]:
-            return ModelDescription(FORMULATION, size, model_assumptions(build.scene))
+            return model_assumptions(build.scene), ()
         of_file = build.condensed_bodies
         source = (of_file.describe_source(),) if of_file else idealisation_statements(build.backend, build.scene)
         clipped = self.flank_compliance.clipped_share if self.flank_compliance else 0.0
-        cut = (f"negative compliance of the bodies, up to {100 * clipped:.2g} % of a contact's, is set to zero",)
-        assumed = (*ELASTIC_ASSUMPTIONS, *source, *self.assumed)
-        return ModelDescription(FORMULATION, size, assumed, cut if clipped > 1e-6 else ())
+        cut = f"negative compliance of the bodies, up to {100 * clipped:.2g} % of a contact's, is set to zero"
+        return (*ELASTIC_ASSUMPTIONS, *source, *self.assumed), (cut,) if clipped > 1e-6 else ()
 
 
 def bodies_on_beam(problem: Problem, shaft: statics_shaft.ShaftBeam, sparse: bool) -> DenseBodies | BeamBodies:
@@ -442,8 +427,6 @@ class StaticInput:
     everything: bool = False
     #: Number of elements that each beam element is split into.
     refine: int = 1
-    #: Result of `place_balls` for these dimensions; None: not computed yet.
-    placed: PlacedBalls | None = None
     #: Three entries: which degrees of freedom of the n nodes are fixed ``(n, 6)``; their prescribed values ``(n, 6)`` [m,
     #: rad]; and the "pins", numbers of the degrees of freedom of the first node that are fixed although no support fixes
     #: them. None: only those degrees of freedom are fixed that the scene's supports fix.
@@ -489,7 +472,7 @@ class StaticInput:
             flanks (screw left, screw right, nut left, nut right), radial and along the helix's binormal.
         """
         parts = self.scene, self.drawn, self.layout, self.used_flanks
-        how: dict[str, Any] = {"everything": self.everything, "refine": self.refine, "placed": self.placed}
+        how: dict[str, Any] = {"everything": self.everything, "refine": self.refine}
         found = build_problem(*parts, arms=arms, section=self.replacement_section, **how)
         held = self.fixed_dofs
         return found if held is None else replace(found, fixed=held[0], prescribed=held[1], pins=held[2])
@@ -513,7 +496,7 @@ class StaticInput:
         """
         N = self.layout.z.size
         scale, pair = residual_scale(problem, self.least_force(problem)), only_flank_pair(problem)
-        balls = balls_of_problem(problem)
+        balls = problem.balls
         flanks: FlankCompliance | None = None
         assumed: tuple[str, ...] = ()
         bodies: DenseBodies | BeamBodies
@@ -542,7 +525,7 @@ class StaticInput:
         system = StaticSystem(
             bodies,
             RollingElements(between, None, np.array([scale.unloaded_force_limit])),
-            starting_springs(problem.contacts, pair, scale.stiffness),
+            starting_springs(balls, pair, scale.stiffness),
             settle.limits_of(scale, float(problem.drawn.ball_radii.max())),
         )
         return SingleNutEquations(

@@ -440,9 +440,10 @@ def small_response(bodies: DenseBodies | BeamBodies, S: Array, v: Array, work: A
     x = bodies.solve(S, np.concatenate([Sv, SR], axis=1)[None])[0]
     u, Z = x[:, : v.shape[-1]], x[:, v.shape[-1] :]
     schur = SR.T @ Z
-    if k and not positive_definite(0.5 * (schur + schur.T)[None])[0]:
+    a = solved_or_nan(schur[None], (work - SR.T @ u)[None])[0] if k else work
+    # a matrix may be positive definite and yet singular in round-off
+    if not (positive_definite(0.5 * (schur + schur.T)[None])[0] and np.isfinite(a).all()):
         return None
-    a = np.linalg.solve(schur, work - SR.T @ u) if k else work
     u = (u + Z @ a).reshape(count, width, v.shape[-1])
     return -(of_flanks.swapaxes(1, 2) @ u).reshape(v.shape), a
 

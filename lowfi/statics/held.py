@@ -16,7 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.lowfi.statics.problem import SIGNS, Problem, point_motion_matrix
+from rollbench.lowfi.statics.contact_law import SIGNS
+from rollbench.lowfi.statics.problem import Problem, point_motion_matrix
 from rollbench.lowfi.statics.result import Status
 from rollbench.lowfi.statics.shape import independent_columns, null_space_of_constraints, rigid_motion_transfer_matrix
 from rollbench.meshes.arrays import Array
@@ -26,7 +27,7 @@ from rollbench.meshes.parts import FREEDOMS
 
 @dataclass(frozen=True)
 class UnresistedMotions:
-    """Rigid motions of the screw that neither a support nor a contact resists, and pins that prevent them.
+    """Rigid motions of screw, or of shaft and housings, that no support, spring or contact resists, and pins against them.
 
     A pin is a degree of freedom that the model fixes although no support does.
     """
@@ -35,8 +36,8 @@ class UnresistedMotions:
     is_driven_by_loads: bool
     #: Text for the user that describes the unresisted motion; empty if there is none.
     description: str
-    #: Numbers (0 to 5) of the degrees of freedom at the first beam node that the model fixes against these motions; for a
-    #: rigid screw, numbers of its coordinates (columns of `Problem.rigid_motion_basis`).
+    #: Numbers of the degrees of freedom that the model fixes against these motions, six for each beam node, then for each
+    #: moving housing; for a rigid screw, numbers of its coordinates (columns of `Problem.rigid_motion_basis`).
     pins: tuple[int, ...] = ()
     #: Whether nothing can twist the shaft: its grooves have no lead, and no moment about the axis acts.
     no_torsion: bool = False

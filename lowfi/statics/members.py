@@ -253,9 +253,8 @@ class _SharedEquations:
             where = state.forces.centres
             if pair is not None:
                 where = first_ball_centres(balls.one_by_one(count), moved.reshape(-1, 4, 2)).reshape(count, -1, 2)
-            nominal = statics_problem.NominalContacts(placed.to_ball, placed.distance, placed.approach, C, balls.used)
             margin = NEAR if of.flank_compliance is None else MARGIN
-            good &= solutions_clear_of_left_out_flanks(where, moved, nominal, loads, of.problem.used_flanks, margin)
+            good &= solutions_clear_of_left_out_flanks(where, moved, balls, loads, of.problem.used_flanks, margin)
         return state, (loads, outcome.residual, motions, forces), good
 
     def _system(self, placed: PlacedBalls, C: Array, radii: Array, B: Array | None) -> tuple[StaticSystem, Balls]:
@@ -333,7 +332,7 @@ def _motions_of_sections(of: SingleNutEquations, of_nodes: Array) -> tuple[Array
     if coupling is not None:
         by_flanks += coupling.wrenches_per_nodal_motion.T @ coupling.jumps_per_flank_force
         given = coupling.wrenches_per_nodal_motion.T @ coupling.jumps_by_external_loads
-        inside = coupling.inner_jumps.flank_motions_by_nodal_loads(np.where(problem.fixed.reshape(-1, 1), 0.0, load))
+        inside = coupling.flank_motions_by_nodal_loads(np.where(problem.fixed.reshape(-1, 1), 0.0, load))
     moved = statics_shaft.nodal_motions_under_loads(shaft, given, np.zeros(of.state.a.size)).ravel()
     by_motions = statics_shaft.nodal_motions_of_rigid_screw(shaft).T @ load
     return by_flanks.T @ shaft.motions_under_loads(load) + inside, by_motions, moved @ load

@@ -2,84 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields, replace
-from typing import Any, NamedTuple
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice
+from rollbench.lowfi.statics.rolling_elements import Balls
 from rollbench.lowfi.statics.shape import beam_interpolation_matrices, right_singular_vectors, rigid_motion_transfer_matrix
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.axis import Housing
 from rollbench.meshes.errors import GeometriesWithErrors, GeometryWithErrors
 from rollbench.meshes.helix import BallLayout, nominal_contact_points, nominal_groove_centres, nominal_groove_radii
-from rollbench.meshes.parts import FREEDOMS, SIDE_SIGNS, Scene, Support
+from rollbench.meshes.parts import FREEDOMS, Scene, Support
 from rollbench.meshes.section import MERGE, BeamSection, beam_nodes, contact_force_positions, screw_section
 
-#: Signs of radial and axial component of the direction from ball to groove, for each flank SL, SR, NL, NR ``(4, 2)``.
-SIGNS = np.array(SIDE_SIGNS)
 #: Scene; dimensions of the parts with errors; ball positions; and shifts ``(N, 4, 2)`` [m] of the flanks' centres of
 #: curvature by profile errors (None: zero).
 Parts = tuple[Scene, GeometryWithErrors, BallLayout, Array | None]
 
 
 @dataclass(frozen=True)
-class NominalContacts:
-    """Contacts of N balls with their four flanks before anything moves: arrays with the axes ball and flank.
+class BeamProblem:
+    """What the beam of a shaft with n nodes needs to know of all N rolling elements on it.
 
-    Further axes may come first.
+    The motion of a groove flank at a ball depends on m motions of nodes: six of one node, or twelve of two nodes. In the
+    axes of the arrays rollers follow the balls.
     """
 
-    #: Vector from groove centre to ball centre ``(N, 4, 2)`` [m], and its length ``(N, 4)`` [m].
-    to_ball: Array
-    distance: Array
-    #: Approach ``(N, 4)`` [m], negative for a gap.
-    approach: Array
-    #: Hertz constants C ``(N, 4)`` [m/N^(2/3)].
-    C: Array
-    #: Whether each flank can carry load ``(N, 4)``.
-    used: Mask
-
-    def __getitem__(self, index: Any) -> NominalContacts:
-        """Return the contacts with some of the balls or flanks, or with further axes."""
-        arrays: dict[str, Any] = {x.name: getattr(self, x.name)[index] for x in fields(self)}
-        return NominalContacts(**arrays)
-
-    @property
-    def normals(self) -> Array:
-        """Unit vectors ``(N, 4, 2)`` from groove centres to ball centres."""
-        return self.to_ball / np.maximum(self.distance, 1e-30)[..., None]
-
-    @staticmethod
-    def concatenated(contacts: Sequence[NominalContacts]) -> NominalContacts:
-        """Return the contacts of all balls of several nuts and bearings as one record; there may be none."""
-        empty = np.zeros((0, 4))
-        every = (NominalContacts(np.zeros((0, 4, 2)), empty, empty, empty, np.zeros((0, 4), dtype=bool)), *contacts)
-        arrays: dict[str, Any] = {
-            x.name: np.concatenate([getattr(c, x.name) for c in every]) for x in fields(NominalContacts)
-        }
-        return NominalContacts(**arrays)
-
-
-@dataclass(frozen=True)
-class Problem:
-    """Arrays of the static problem of a ball screw with n beam nodes and N balls.
-
-    The motion of a groove flank at a ball depends on m motions of nodes: six of one node, or twelve of two nodes.
-    """
-
-    #: Description of screw, nut, balls, supports and loads.
-    scene: Scene
-    #: Positions of the balls.
-    layout: BallLayout
-    #: Dimensions of screw, nut and balls with their manufacturing errors.
-    drawn: GeometryWithErrors
     #: Axial positions of the beam's nodes ``(n,)`` [m].
     nodes: Array
-    #: Cross-section of the screw.
-    section: BeamSection
     #: Which degrees of freedom of the nodes are fixed ``(n, 6)``.
     fixed: Mask
     #: Prescribed values of the fixed degrees of freedom ``(n, 6)`` [m, rad].
@@ -91,66 +45,51 @@ class Problem:
     #: Motions of the screw's two flanks at each ball, radial and along the helix's binormal, per unit of the six motions of
     #: the node in ``first_nodes`` (m = 6), or of the motions of this node and the next one (m = 12): ``(N, 2, 2, m)``.
     B: Array
-    #: Contacts of all balls before anything moves. An update of their Hertz constants writes to this record's array.
-    contacts: NominalContacts
-    #: Nominal interference of each ball with the two pairs of opposite flanks (screw left and nut right, screw right and
-    #: nut left) ``(N, 2)`` [m]; negative for clearance.
-    interference: Array
-    #: Which of the four flanks (screw left, screw right, nut left, nut right) have contacts ``(4,)``.
-    used_flanks: Mask
-    #: Number of beam elements at the ends of the screw that are left out because they carry no load.
-    left_out_elements: int
+    #: Cross-section of the screw.
+    section: BeamSection
+    #: Length [m] by which moments are divided where they are compared with forces: for a single screw its pitch radius.
+    moment_arm: float
+    #: Axial position [m] near the middle of the contacts: for a single screw the nut's centre.
+    middle: float
+    #: Cross-section of every beam element; None: ``section`` everywhere.
+    element_sections: tuple[BeamSection, ...] | None = None
     #: For a rigid screw, the matrix ``(6, 6)`` from its six coordinates (the free ones first, then those that supports fix)
     #: to its three displacements and three rotations; None for a beam.
     rigid_motion_basis: Array | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem(BeamProblem):
+    """Arrays of the static problem of a ball screw with n beam nodes and N balls."""
+
+    #: Description of screw, nut, balls, supports and loads.
+    scene: Scene
+    #: Positions of the balls.
+    layout: BallLayout
+    #: Dimensions of screw, nut and balls with their manufacturing errors.
+    drawn: GeometryWithErrors
+    #: All balls between rigid bodies before anything moves, as one member. An update of their Hertz constants writes to
+    #: this record's array.
+    balls: Balls
+    #: Which of the four flanks (screw left, screw right, nut left, nut right) have contacts ``(4,)``.
+    used_flanks: Mask
+    #: Number of beam elements at the ends of the screw that are left out because they carry no load.
+    left_out_elements: int = 0
     #: Numbers of the degrees of freedom of the first node (for a rigid screw, of its coordinates, the columns of
     #: ``rigid_motion_basis``) that the model fixes although no support does, because no load drives these motions and
     #: nothing resists them.
     pins: tuple[int, ...] = ()
-    #: Cross-section of every beam element; None: ``section`` everywhere.
-    element_sections: tuple[BeamSection, ...] | None = None
 
     @property
     def C(self) -> Array:
-        """Return the Hertz constants C ``(N, 4)`` [m/N^(2/3)] (approach = C Q^(2/3) at force Q) of ``contacts``."""
-        return self.contacts.C
-
-    @property
-    def moment_arm(self) -> float:
-        """Return the pitch radius [m], by which moments are divided where they are compared with forces."""
-        return self.scene.track.pitch_radius
-
-    @property
-    def middle(self) -> float:
-        """Return the axial position [m] of the nut's centre."""
-        return self.scene.nut.position
+        """Return the Hertz constants C ``(N, 4)`` [m/N^(2/3)] (approach = C Q^(2/3) at force Q) of ``balls``."""
+        C: Array = self.balls.C[0]
+        return C
 
     @property
     def unknowns(self) -> int:
         """Return the number of unknown motions of the screw; the balls' positions are eliminated and do not count."""
         return int(np.count_nonzero(~self.fixed))
-
-
-@dataclass(frozen=True, kw_only=True)
-class BeamProblem:
-    """What the beam of a shaft needs to know of all rolling elements on it; the fields are those of `Problem`.
-
-    In the axes of its arrays rollers follow the balls.
-    """
-
-    nodes: Array
-    fixed: Mask
-    prescribed: Array
-    load: Array
-    first_nodes: NDArray[np.int64]
-    B: Array
-    section: BeamSection
-    element_sections: tuple[BeamSection, ...] | None
-    rigid_motion_basis: Array | None = None
-    #: Length [m] by which moments are divided where they are compared with forces.
-    moment_arm: float
-    #: Axial position [m] near the middle of the contacts.
-    middle: float
 
 
 class ContactState(NamedTuple):
@@ -185,12 +124,8 @@ class SolvedState:
     residual_force_scale: float
 
 
-def nominal_contacts(
-    scene: Scene, drawn: GeometryWithErrors, use: Mask, placed: PlacedBalls | None = None
-) -> tuple[NominalContacts, Array]:
-    """Return the contacts before anything moves, and the interference of each ball with its diagonal pairs of flanks.
-
-    The interference ``(N, 2)`` [m] is that of `PlacedBalls`.
+def nominal_balls(scene: Scene, drawn: GeometryWithErrors, use: Mask) -> Balls:
+    """Return the balls between rigid bodies before anything moves, as one member.
 
     Parameters
     ----------
@@ -200,12 +135,20 @@ def nominal_contacts(
         Dimensions of the parts with their manufacturing errors.
     use
         Which of the four flanks (screw left, screw right, nut left, nut right) have contacts ``(4,)``.
-    placed
-        Result of `place_balls` for these parts; None: computed here.
     """
-    balls = placed or place_balls(scene, drawn)
-    C = np.array(hertz_constants_by_scene_choice(scene, drawn))
-    return NominalContacts(*balls[:3], C, np.broadcast_to(use, C.shape).copy()), balls.interference
+    C, profile = hertz_constants_by_scene_choice(scene, drawn)[None], drawn.profile_coefficients
+    zero = np.zeros(C.shape)
+    return Balls(
+        **{name: x[None] for name, x in place_balls(scene, drawn)._asdict().items()},
+        C=C,
+        used=np.broadcast_to(use, C.shape).copy(),
+        e=zero,
+        h=zero,
+        body=zero,
+        radius=drawn.ball_radii[None],
+        groove_radius=np.broadcast_to(drawn.groove_radii, C.shape),
+        profile=np.broadcast_to(profile, (*C.shape, profile.shape[-1])),
+    )
 
 
 class PlacedBalls(NamedTuple):
@@ -409,7 +352,6 @@ def build_problem(
     refine: int = 1,
     arms: Array | None = None,
     section: BeamSection | None = None,
-    placed: PlacedBalls | None = None,
 ) -> Problem:
     """Return the arrays of the static problem of a ball screw.
 
@@ -431,8 +373,6 @@ def build_problem(
         Shifts of the flanks' centres of curvature by profile errors ``(N, 4, 2)`` [m]; None: zero.
     section
         Cross-section of the screw; None: computed from the scene's dimensions (Lin C.8).
-    placed
-        Result of `place_balls` for these parts; None: computed here.
 
     Raises
     ------
@@ -440,12 +380,12 @@ def build_problem(
         If supports contradict each other.
     """
     parts = (scene, drawn, layout, arms)
-    contacts, closure = nominal_contacts(scene, drawn, use, placed)
+    balls = nominal_balls(scene, drawn, use)
     section = section or screw_section(scene)
     stations = contact_force_positions(scene, layout)
     used = [s for s in range(2) if use[s]]
     if scene.ingredients.screw == "rigid":
-        return _build_rigid_problem(parts, use, contacts, closure, section)
+        return _build_rigid_problem(parts, use, balls, section)
     nodes, left_out = beam_nodes(scene, stations[:, used], whole_screw=everything)
     if refine > 1:
         steps = np.arange(refine) / refine
@@ -465,7 +405,10 @@ def build_problem(
     for s in range(2):
         if not use[s]:
             node[:, s] = node[:, used[0]] if used else 0
-    return Problem(scene, layout, drawn, nodes, section, fixed, prescribed, load, node, B, contacts, closure, use, left_out)
+    shaft = nodes, fixed, prescribed, load, node, B, section, scene.track.pitch_radius, scene.nut.position
+    return Problem(
+        *shaft, scene=scene, layout=layout, drawn=drawn, balls=balls, used_flanks=use, left_out_elements=left_out
+    )
 
 
 def _nearest_nodes(nodes: Array, stations: Array) -> NDArray[np.int64]:
@@ -476,14 +419,12 @@ def _nearest_nodes(nodes: Array, stations: Array) -> NDArray[np.int64]:
     return np.where(stations - nodes[j - 1] < nodes[j] - stations, j - 1, j).astype(np.int64)
 
 
-def _build_rigid_problem(
-    parts: Parts, use: Mask, contacts: NominalContacts, closure: Array, section: BeamSection
-) -> Problem:
+def _build_rigid_problem(parts: Parts, use: Mask, balls: Balls, section: BeamSection) -> Problem:
     """Return the static problem of a rigid screw, whose six motions are taken at the nut's centre.
 
     The supports are linear constraints on these motions. ``parts``: scene, dimensions with errors, ball positions, and
     shifts of the flanks' centres of curvature, as for `flank_motion_matrix`; ``use`` ``(4,)``: which flanks get contacts;
-    ``contacts``, ``closure``: result of `nominal_contacts`; ``section``: cross-section of the screw.
+    ``balls``: result of `nominal_balls`; ``section``: cross-section of the screw.
 
     Raises
     ------
@@ -514,8 +455,10 @@ def _build_rigid_problem(
     B = np.stack([flank_motion_matrix(parts, s, np.full(count, z0)) @ to_motion for s in range(2)], axis=1)
     fixed = np.arange(6)[None] >= 6 - held
     prescribed, work = np.linalg.solve(to_motion, scale * lift)[None, :], (to_motion.T @ load)[None, :]
-    shaft = np.array([z0]), section, fixed, prescribed, work, np.zeros((count, 2), dtype=np.int64), B
-    return Problem(scene, layout, drawn, *shaft, contacts, closure, use, 0, to_motion)
+    shaft = np.array([z0]), fixed, prescribed, work, np.zeros((count, 2), dtype=np.int64), B, section, arm, z0
+    return Problem(
+        *shaft, scene=scene, layout=layout, drawn=drawn, balls=balls, used_flanks=use, rigid_motion_basis=to_motion
+    )
 
 
 #: Difference between a support's constraint and the best combination of earlier constraints, relative to its norm, above

@@ -6,8 +6,8 @@ loads and specimens with other ball radii share it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -244,18 +244,6 @@ class ScrewAndNutCompliance:
     assumed: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class _ComplianceInput:
-    """Input of a compliance computation, as argument of a cached function; inputs with the same ``key`` count as equal."""
-
-    #: Dimensions and options that determine the compliance; the only field that is compared.
-    key: tuple[object, ...]
-    #: Arrays of the static problem.
-    problem: Problem = field(compare=False)
-    #: Method by which the compliance of screw, nut and balls is computed.
-    backend: ComplianceModel = field(compare=False)
-
-
 def compliance_of_screw_and_nut(
     problem: Problem, backend: ComplianceModel, condensed: CondensedCompliance | None, whole: WholeBody
 ) -> ScrewAndNutCompliance:
@@ -275,25 +263,24 @@ def compliance_of_screw_and_nut(
     whole
         Function that computes the compliance of one complete screw or nut between its contacts.
     """
-    layout = problem.layout
-    if condensed is not None or whole is not compliance_between_contacts or layout.z.size > KEPT:
+    if condensed is not None or whole is not compliance_between_contacts or problem.layout.z.size > KEPT:
         return _compute_compliance(problem, backend, condensed, whole)
-    layouts = layout.azimuth, layout.z, problem.drawn.groove_centres, problem.nodes
+    return cached_compliance(problem, backend)
+
+
+def _determines_compliance(problem: Problem, backend: ComplianceModel) -> tuple[object, ...]:
+    """Return the dimensions and options on which the compliance of a problem's bodies by the model ``backend`` depends."""
+    layouts = problem.layout.azimuth, problem.layout.z, problem.drawn.groove_centres, problem.nodes
     flanks = problem.used_flanks, problem.first_nodes, problem.B, problem.fixed, np.any(problem.load, axis=1)
     scene, sections = problem.scene, (problem.section, problem.element_sections)
     parts = compliance_geometry_with_balls(scene)[0], scene.ingredients, sections, backend
-    arrays = (np.asarray(x).tobytes() for x in (*layouts, *flanks))
-    key = (*parts, only_flank_pair(problem), problem.rigid_motion_basis is None, *arrays)
-    return cached_compliance(_ComplianceInput(key, problem, backend))
+    return (*parts, only_flank_pair(problem), problem.rigid_motion_basis is None, *layouts, *flanks)
 
 
-@lru_cache(maxsize=4)
-def cached_compliance(asked: _ComplianceInput) -> ScrewAndNutCompliance:
-    """Return the compliance of screw (with its beam), nut and balls from a cache of the last four; else compute it.
-
-    ``asked``: problem and method; only its ``key`` is compared.
-    """
-    return _compute_compliance(asked.problem, asked.backend, None, compliance_between_contacts)
+@kept_by_content(4, _determines_compliance)
+def cached_compliance(problem: Problem, backend: ComplianceModel) -> ScrewAndNutCompliance:
+    """Return the compliance of the bodies of a problem, which is kept in memory; ``backend``: model of the bodies."""
+    return _compute_compliance(problem, backend, None, compliance_between_contacts)
 
 
 def _compute_compliance(
@@ -338,7 +325,7 @@ def _compute_compliance(
                 e[s] += of_file.contact_compliance
             compliance = condensed.replace_normal_compliance(scene, layout, sides, compliance, backend)
         G.append(compliance)
-    normals, pair = problem.contacts.normals, only_flank_pair(problem)
+    normals, pair = problem.balls.normals[0], only_flank_pair(problem)
     if pair is not None:
         solved = [ContactCompliance(G[0] + G[1], normals[:, pair[0]])]
     else:

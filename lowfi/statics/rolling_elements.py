@@ -13,6 +13,7 @@ contact's normal at the roller's middle, and its slope along the roller times th
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Self
 
@@ -26,7 +27,6 @@ from rollbench.lowfi.statics.contact_law import (
     lengths,
     line_contact_law,
 )
-from rollbench.lowfi.statics.problem import NominalContacts, Problem
 from rollbench.meshes.arrays import Array, Mask
 
 Ints = NDArray[np.int64]
@@ -93,6 +93,23 @@ class Balls(Stacked):
     groove_radius: Array
     #: Deviation of the flanks from circular arcs ``(M, N, 4, p)`` [m], see `approach_to_profiles`; p = 0 for exact arcs.
     profile: Array
+
+    @property
+    def normals(self) -> Array:
+        """Unit vectors ``(M, N, 4, 2)`` from groove centres to ball centres."""
+        return self.to_ball / np.maximum(self.distance, 1e-30)[..., None]
+
+    @staticmethod
+    def joined(each: Sequence[Balls]) -> Balls:
+        """Return the balls of several nuts and bearings, one after the other, as one record; there may be none."""
+        degree, none = max((b.profile.shape[3] for b in each), default=0), np.zeros((1, 0, 4))
+        empty = Balls(
+            none[..., None].repeat(2, axis=3), *(none,) * 3, none > 0.0, none[..., :2], *(none,) * 3, none[..., 0], none,
+            np.zeros((1, 0, 4, degree)),
+        )  # fmt: skip
+        more = (np.pad(b.profile, ((0, 0),) * 3 + ((0, degree - b.profile.shape[3]),)) for b in each)
+        every = (empty, *(replace(b, profile=x) for b, x in zip(each, more, strict=True)))
+        return Balls(**{name: np.concatenate([getattr(b, name) for b in every], axis=1) for name in field_names(empty)})
 
     def one_by_one(self, members: int = 1) -> Balls:
         """Return the balls of all members in one axis: arrays ``(M N, ...)``."""
@@ -179,29 +196,6 @@ class ElementForces(Stacked):
     largest: Array
 
 
-def balls_of_problem(problem: Problem) -> Balls:
-    """Return the balls of a static problem as one member, rigid apart from their Hertz contacts.
-
-    Their Hertz constants are those of the problem, whose updates they follow.
-    """
-    contacts, drawn = problem.contacts, problem.drawn
-    zero, profile = np.zeros((1, *contacts.C.shape)), drawn.profile_coefficients
-    return Balls(
-        to_ball=contacts.to_ball[None],
-        distance=contacts.distance[None],
-        approach=contacts.approach[None],
-        C=contacts.C[None],
-        used=contacts.used[None],
-        interference=problem.interference[None],
-        e=zero,
-        h=zero,
-        body=zero,
-        radius=drawn.ball_radii[None],
-        groove_radius=np.broadcast_to(drawn.groove_radii, zero.shape),
-        profile=np.broadcast_to(profile, (*zero.shape, profile.shape[-1])),
-    )
-
-
 def between_opposite_flanks(balls: Balls, a: int) -> FlankPairs:
     """Return balls that touch only the opposite circular flanks a and 3 - a, whose contacts act in series."""
     b = 3 - a
@@ -210,7 +204,7 @@ def between_opposite_flanks(balls: Balls, a: int) -> FlankPairs:
     return FlankPairs(D, lengths(D), balls.interference[:, :, a], C, e, h)
 
 
-def starting_springs(contacts: NominalContacts, pair: tuple[int, int] | None, stiffness: float) -> Array:
+def starting_springs(balls: Balls, pair: tuple[int, int] | None, stiffness: float) -> Array:
     """Return factors ``(1, N, w, F, 2)`` of linear springs between opposite flanks, which replace balls in the first solve.
 
     Each is the square root of the stiffness times the direction of the spring, so that their product with themselves is the
@@ -218,19 +212,19 @@ def starting_springs(contacts: NominalContacts, pair: tuple[int, int] | None, st
 
     Parameters
     ----------
-    contacts
+    balls
         Contacts of N balls before anything moves.
     pair
         Numbers of the two flanks if only one pair of diagonally opposite flanks is in use, else None.
     stiffness
         Stiffness of each spring [N/m].
     """
-    w = np.sqrt(stiffness) * contacts.normals
+    w, used = np.sqrt(stiffness) * balls.normals[0], balls.used[0]
     if pair is not None:
         return np.asarray(w[None, :, pair[0], None, None, :])
     rows = np.zeros((1, len(w), 2, FLANKS, 2))
     for s in range(2):
-        both = (contacts.used[:, s] & contacts.used[:, 3 - s])[:, None]
+        both = (used[:, s] & used[:, 3 - s])[:, None]
         rows[0, :, s, s], rows[0, :, s, 3 - s] = np.where(both, w[:, s], 0.0), np.where(both, -w[:, s], 0.0)
     return rows
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.statics.contact_law import lengths
 from rollbench.lowfi.statics.held import UnresistedMotions
-from rollbench.lowfi.statics.problem import NominalContacts, PlacedBalls, Problem, place_balls
-from rollbench.lowfi.statics.rolling_elements import ball_equilibrium, balls_of_problem
+from rollbench.lowfi.statics.problem import Problem, place_balls
+from rollbench.lowfi.statics.rolling_elements import Balls, ball_equilibrium
 from rollbench.lowfi.statics.shape import beam_interpolation_matrices
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import GeometryWithErrors
@@ -40,7 +40,7 @@ def flanks_of_scene(scene: Scene) -> Mask:
     return np.isin(np.arange(4), flanks_of_single_arc_contacts(scene) or range(4))
 
 
-def choose_flanks(scene: Scene, drawn: GeometryWithErrors, placed: PlacedBalls | None = None) -> Mask:
+def choose_flanks(scene: Scene, drawn: GeometryWithErrors) -> Mask:
     """Return which of the flanks SL, SR, NL, NR (screw left, ..., nut right) get contacts in the equations ``(4,)``.
 
     A diagonal pair of flanks is left out if no ball has interference with it and the axial load opens it. This is a guess:
@@ -53,8 +53,6 @@ def choose_flanks(scene: Scene, drawn: GeometryWithErrors, placed: PlacedBalls |
         Screw, nut, balls, supports and loads.
     drawn
         Dimensions of the parts with their manufacturing errors.
-    placed
-        Result of `place_balls` for these parts; None: computed here.
     """
     use = flanks_of_scene(scene)
     force = sum(load.force[2] for load in scene.loads)
@@ -65,7 +63,7 @@ def choose_flanks(scene: Scene, drawn: GeometryWithErrors, placed: PlacedBalls |
     if not np.all(use) or force == 0.0 or bent or across:
         return use
     idle = (1, 2) if force > 0.0 else (0, 3)
-    closure = (placed or place_balls(scene, drawn)).interference
+    closure = place_balls(scene, drawn).interference
     if float(closure[:, min(idle)].max()) <= 0.0:
         use[list(idle)] = False
     return use
@@ -142,7 +140,7 @@ def all_flank_motions_by_screw(problem: Problem, motion: Array) -> Array:
     return np.concatenate([moved, np.zeros_like(moved)], axis=-2)
 
 
-def gaps_to_flanks(centres: Array, shift: Array, contacts: NominalContacts) -> Array:
+def gaps_to_flanks(centres: Array, shift: Array, balls: Balls) -> Array:
     """Return the gap between each ball and each of its four groove arcs in k solutions ``(k, N, 4)`` [m].
 
     A negative gap is an interference of ball and groove.
@@ -153,17 +151,17 @@ def gaps_to_flanks(centres: Array, shift: Array, contacts: NominalContacts) -> A
         Displacements of the ball centres in their section planes ``(k, N, 2)`` [m].
     shift
         Motions of the flanks ``(k, N, 4, 2)`` [m].
-    contacts
+    balls
         Contacts before anything moves, with k as first axis (one for all solutions, or k).
     """
     moved = centres[:, :, None] - shift
-    w = contacts.to_ball + moved
-    grown = (moved * (contacts.to_ball + w)).sum(axis=-1) / (lengths(w) + contacts.distance)
-    return np.asarray(-contacts.approach - grown)
+    w = balls.to_ball + moved
+    grown = (moved * (balls.to_ball + w)).sum(axis=-1) / (lengths(w) + balls.distance)
+    return np.asarray(-balls.approach - grown)
 
 
 def solutions_clear_of_left_out_flanks(
-    centres: Array, shift: Array, contacts: NominalContacts, loads: Array, use: Mask, margin: float = 0.0
+    centres: Array, shift: Array, balls: Balls, loads: Array, use: Mask, margin: float = 0.0
 ) -> NDArray[np.bool_]:
     """Return for each of k solutions whether all balls are clear of the flanks that were left out ``(k,)``.
 
@@ -176,7 +174,7 @@ def solutions_clear_of_left_out_flanks(
         Displacements of the ball centres in their section planes ``(k, N, 2)`` [m].
     shift
         Motions of the flanks ``(k, N, 4, 2)`` [m].
-    contacts
+    balls
         Contacts before anything moves, with k as first axis (one for all solutions, or k).
     loads
         Contact forces ``(k, N, 4)`` [N].
@@ -186,12 +184,9 @@ def solutions_clear_of_left_out_flanks(
         Least gap [m] between a ball and a left-out flank at which the ball counts as clear of it.
     """
     left_out, loaded = np.flatnonzero(~use), loads.max(axis=2) > 0.0
-    if loaded.all():
-        gap = gaps_to_flanks(centres, shift[:, :, left_out], contacts[:, :, left_out]).min(axis=2)
-        return np.asarray((gap >= margin).all(axis=1))
-    clearance = gaps_to_flanks(centres, shift, contacts)
+    clearance = gaps_to_flanks(centres, shift, balls)
     gap = np.where(loaded, clearance[..., left_out].min(axis=2), clearance.min(axis=2))
-    elsewhere = gaps_to_flanks(shift.mean(axis=2), shift, contacts).min(axis=2)
+    elsewhere = gaps_to_flanks(shift.mean(axis=2), shift, balls).min(axis=2)
     idle = ~loaded.all(axis=1)[:, None] & ~loaded
     gap = np.where(idle, np.maximum(gap, elsewhere), gap)
     return np.asarray((gap >= margin).all(axis=1))
@@ -216,7 +211,7 @@ def place_unloaded_balls_clear(problem: Problem, shift: Array, centres: Array, f
     """
     if np.array_equal(problem.used_flanks, flanks_of_scene(problem.scene)):
         return centres
-    gap = gaps_to_flanks(centres[None], shift[None], problem.contacts[None])[0].min(axis=1)
+    gap = gaps_to_flanks(centres[None], shift[None], problem.balls)[0].min(axis=1)
     overlap = (force.max(axis=1) == 0.0) & (gap < 0.0)
     if not overlap.any():
         return centres
@@ -230,7 +225,7 @@ def _between_all_flanks(problem: Problem, shift: Array, force: Array) -> tuple[A
     ``shift``: motions of the flanks ``(N, 4, 2)`` [m]; ``force``: contact forces ``(N, 4)`` [N], of whose largest the
     forces that count as none are a fraction.
     """
-    balls = replace(balls_of_problem(problem), used=np.ones((1, len(shift), 4), dtype=bool)).one_by_one()
+    balls = replace(problem.balls, used=np.ones((1, len(shift), 4), dtype=bool)).one_by_one()
     nothing = np.full(len(shift), 0.1 * LEAST * float(force.max(initial=0.0)))
     x, contacts, _ = ball_equilibrium(balls, shift, nothing)
     return x[:, :2], contacts.force
@@ -257,7 +252,7 @@ def touched_flanks(problem: Problem, motion: Array, centres: Array, force: Array
         return np.asarray((force > 0.0).any(axis=0))
     shift = all_flank_motions_by_screw(problem, motion)
     if not problem.drawn.profile_coefficients.shape[1]:
-        parts = centres[None], shift[None], problem.contacts[None], force[None]
+        parts = centres[None], shift[None], problem.balls, force[None]
         if solutions_clear_of_left_out_flanks(*parts, problem.used_flanks)[0]:
             return np.asarray((force > 0.0).any(axis=0))
     found = _between_all_flanks(problem, shift, force)[1]

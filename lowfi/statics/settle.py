@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, Self, TypeVar
 
 import numpy as np
 
+from rollbench.lowfi.statics.contact_law import SIGNS
 from rollbench.lowfi.statics.contacts import hertz_at_contact_angles
 from rollbench.lowfi.statics.equilibrium import (
     CONVERGED,
@@ -27,10 +28,12 @@ from rollbench.lowfi.statics.equilibrium import (
     Solving,
     StaticSystem,
 )
-from rollbench.lowfi.statics.problem import SIGNS, ContactState, Problem
+from rollbench.lowfi.statics.problem import ContactState, Problem
 from rollbench.lowfi.statics.result import SolverReport, Status
 from rollbench.meshes.arrays import Array
 
+#: Formulation of a solution, as the record of a result states it.
+FORMULATION = "convex energy, bodies condensed to the contacts"
 #: Outcomes of the solver after which the state gives no contact loads.
 NO_LOADS = (NOT_HELD, SINGULAR)
 #: Largest unbalanced force, relative to the largest force, up to which a solution counts as converged.
@@ -88,19 +91,6 @@ def limits_of(scale: ResidualScale, furthest: float) -> Limits:
         the largest ball.
     """
     return Limits(np.array([scale.stiffness]), np.array([scale.least_force_scale]), np.array([furthest]))
-
-
-class ModelDescription(NamedTuple):
-    """Formulation, number of unknowns and assumptions of a mechanical model, for the record of its solution."""
-
-    #: Mathematical formulation, for example "convex energy".
-    formulation: str
-    #: Number of unknowns.
-    unknowns: int
-    #: Assumptions of the model, as sentences.
-    assumed: tuple[str, ...]
-    #: Effects that the model neglects, as sentences.
-    left_out: tuple[str, ...] = ()
 
 
 @dataclass(kw_only=True)
@@ -163,10 +153,6 @@ class StaticEquations(ABC):
     @abstractmethod
     def round_off_residual(self) -> float:
         """Return the relative residual that rounding errors of double precision leave at the solution."""
-
-    @abstractmethod
-    def model_description(self) -> ModelDescription:
-        """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
 
     def start_from(self, of: StaticEquations) -> Self:
         """Return these equations with the state of others of the same size, from which the next solve can start."""
@@ -288,12 +274,7 @@ def status_of_solve(
 
 
 def solver_report(
-    outcome: Outcome,
-    system: StaticEquations,
-    description: ModelDescription,
-    elements: int,
-    times: tuple[float, float],
-    notes: tuple[str, ...],
+    outcome: Outcome, system: StaticEquations, elements: int, times: tuple[float, float], notes: tuple[str, ...]
 ) -> SolverReport:
     """Return the record of effort and accuracy of a solve.
 
@@ -303,8 +284,6 @@ def solver_report(
         Status, residual and effort of the solver.
     system
         Solved equations.
-    description
-        Formulation and number of unknowns.
     elements
         Number of beam elements.
     times
@@ -317,9 +296,9 @@ def solver_report(
         evaluations=outcome.evaluations,
         residual=outcome.residual,
         seconds=perf_counter() - times[0],
-        unknowns=description.unknowns,
+        unknowns=system.state.phi.size + system.state.a.size,
         elements=elements,
-        formulation=description.formulation,
+        formulation=FORMULATION,
         round_off_bound=system.round_off_residual(),
         setup_seconds=times[1] - times[0],
         notes=notes,

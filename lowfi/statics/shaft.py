@@ -51,7 +51,7 @@ from rollbench.lowfi.statics.beam import (
     nodal_forces,
     substitute,
 )
-from rollbench.lowfi.statics.problem import BeamProblem, Problem
+from rollbench.lowfi.statics.problem import BeamProblem
 from rollbench.lowfi.statics.shape import (
     independent_columns,
     right_singular_vectors,
@@ -64,8 +64,6 @@ from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import MERGE, contact_force_positions
 
-#: Problem of one nut or bearing, or of all rolling elements on a shaft.
-OnShaft = Problem | BeamProblem
 #: Stiffness matrix of a frame, motions of all flanks by its motions, and the functions between its motions and loads.
 SparseFrame = tuple[Any, Any, Callable[[Array], Array], Callable[[Array], Array]]
 #: Number of load cases of the beam that are solved at a time, to limit memory.
@@ -89,7 +87,7 @@ class ShaftBeam:
     """
 
     #: Arrays of the static problem.
-    problem: OnShaft
+    problem: BeamProblem
     #: Free rigid motions of the screw ``(6, k)``, as motions of the node ``pinned_node`` per metre of amplitude; a
     #: rotation's amplitude is the angle times the pitch radius.
     free_rigid_motions: Array
@@ -104,7 +102,7 @@ class ShaftBeam:
     #: EA [N], EI [N m^2], GJ [N m^2], kappa G A [N] of each element ``(4, n - 1)``.
     element_sections: Array = field(repr=False)
 
-    def with_loads_of(self, problem: OnShaft) -> ShaftBeam:
+    def with_loads_of(self, problem: BeamProblem) -> ShaftBeam:
         """Return a copy of this beam model under the external loads and prescribed displacements of another problem."""
         work = _work_of_external_loads(problem, self.free_rigid_motions, self.pinned_node)
         return replace(self, problem=problem, work_on_free_motions=work)
@@ -149,7 +147,7 @@ class ShaftBeam:
         return nodal_forces(np.diff(self.problem.nodes), self.element_sections, q)
 
 
-def rigid_motions_free_of_supports(problem: OnShaft) -> Array:
+def rigid_motions_free_of_supports(problem: BeamProblem) -> Array:
     """Return the k rigid motions of the screw that no support prevents ``(6, k)``.
 
     Each column is the motion of the node nearest to the nut, per metre of amplitude: displacements [m/m] and rotations
@@ -165,7 +163,7 @@ def rigid_motions_free_of_supports(problem: OnShaft) -> Array:
     return np.asarray(scale[:, None] * vt[rank:].T)
 
 
-def motions_per_metre_of_amplitude(problem: OnShaft) -> Array:
+def motions_per_metre_of_amplitude(problem: BeamProblem) -> Array:
     """Return the factors ``(6,)`` from amplitudes in metres to the screw's displacements [m/m] and rotations [rad/m].
 
     The factors are 1 for the three displacements and 1/pitch radius for the three rotations, because a rotation's amplitude
@@ -174,12 +172,12 @@ def motions_per_metre_of_amplitude(problem: OnShaft) -> Array:
     return np.repeat([1.0, 1.0 / problem.moment_arm], 3)
 
 
-def node_nearest_to_nut(problem: OnShaft) -> int:
+def node_nearest_to_nut(problem: BeamProblem) -> int:
     """Return the number of the node nearest to the nut's centre."""
     return int(np.abs(problem.nodes - problem.middle).argmin())
 
 
-def build_shaft(problem: OnShaft) -> ShaftBeam:
+def build_shaft(problem: BeamProblem) -> ShaftBeam:
     """Return the beam model of a problem's screw with its factored stiffness matrix.
 
     A rigid screw has no stiffness matrix, only the rigid motions that its supports leave free.
@@ -203,7 +201,7 @@ def build_shaft(problem: OnShaft) -> ShaftBeam:
     return ShaftBeam(problem, motions, work, pin, free, factor, constants)
 
 
-def _work_of_external_loads(problem: OnShaft, motions: Array, pin: int) -> Array:
+def _work_of_external_loads(problem: BeamProblem, motions: Array, pin: int) -> Array:
     """Return the work of the external loads on the k free rigid motions, per metre of amplitude ``(k,)`` [N].
 
     ``motions`` ``(6, k)``: the motions at the node with the number ``pin``. ``problem``: static problem with the loads.
@@ -228,7 +226,7 @@ def _factor_beam_stiffness(band: Array, free: NDArray[np.bool_]) -> BandFactor:
     return factor_band(kept)
 
 
-def flank_motion_coefficients(problem: OnShaft, screw_flanks: list[int]) -> tuple[NDArray[np.int64], Array]:
+def flank_motion_coefficients(problem: BeamProblem, screw_flanks: list[int]) -> tuple[NDArray[np.int64], Array]:
     """Return which m motions of nodes move each screw flank at each ball, and the flank's motion per unit of each of them.
 
     Parameters
@@ -403,7 +401,7 @@ def nodal_forces_under_loads(shaft: ShaftBeam, loads: Array) -> Array:
     return shaft.nodal_forces(shaft.motions_by_loads[1] + shaft.motions_under_loads(loads[:, None])[:, 0]).reshape(-1, 6)
 
 
-def nodal_loads_of_flank_forces(problem: OnShaft, forces: Array, screw_flanks: list[int]) -> Array:
+def nodal_loads_of_flank_forces(problem: BeamProblem, forces: Array, screw_flanks: list[int]) -> Array:
     """Return the nodal loads ``(6 n,)`` [N, N m] equivalent to the contact forces ``(c, 2)`` [N] on the screw's flanks.
 
     ``screw_flanks``: numbers of the screw flanks in use (0: left, 1: right). Each counts once per ball, which gives c
@@ -446,20 +444,43 @@ class ShaftStretch:
 
 
 @dataclass(frozen=True)
-class JumpsInsideStretches:
-    """Shifts of shaft nodes under a nut or bearing, by the deformation of the shaft under contact forces below the node.
+class SectionForceCoupling:
+    """Coupling of contact deformation and section forces of a shaft, which is cut at the upper ends of nuts and bearings.
 
-    "Below" means at smaller z. A contact force deforms the part of the shaft under a nut or bearing ("stretch"). This
-    shifts the sections between the contact and the upper end of the stretch ("cut") by a jump, see the module. If the shaft
-    carries no load above the cut, the nodes above the cut are included.
+    It is equation (2) of the module. The shaft has n nodes, and c flanks under the balls. Its section forces deform the
+    grooves and so move the flanks; contact forces in turn strain the shaft. A cut is the upper end of the part of the shaft
+    under a nut or bearing; each cut through which load passes contributes 6 components of section force and moment
+    ("wrench"), W in all. A jump is the motion that the deformation of this part adds to the beam's motion at the cut, see
+    the module. Only ``flank_motions_by_loads`` and ``jumps_by_external_loads`` depend on the external loads.
     """
 
+    #: Compliance ``(2 c, 2 c)`` [m/N] of the c flanks, two motions each, that the coupling adds to the compliance of beam
+    #: and bodies.
+    added_compliance: Array
+    #: Motions of the c flanks ``(2 c,)`` [m] that the coupling adds to those of the beam under external loads and
+    #: prescribed displacements.
+    flank_motions_by_loads: Array
+    #: Section forces and moments at the cuts, W components in all, per unit motion of the n nodes ``(W, 6 n)``: S of
+    #: equation (2) of the module.
+    wrenches_per_nodal_motion: Array
+    #: Wrench components per unit load on the nodes ``(W, 6 n)``: 1 where a support takes a load on its own node, else 0.
+    wrenches_per_nodal_load: Array
+    #: Motions of the c flanks per unit of the W section forces and moments at the cuts, for the beam without coupling
+    #: ``(2 c, W)``.
+    flank_motions_per_wrench: Array
+    #: Motions of the n nodes per unit of the W section forces and moments at the cuts, for the beam without coupling
+    #: ``(6 n, W)``.
+    nodal_motions_per_wrench: Array
+    #: Jumps of the shaft's motion at the cuts (W components) per unit force on the c flanks ``(W, 2 c)``.
+    jumps_per_flank_force: Array
+    #: Jumps of the shaft's motion at the cuts (W components) by external loads ``(W,)`` [m, rad].
+    jumps_by_external_loads: Array
     #: Arrays of the static problem.
-    problem: OnShaft
+    problem: BeamProblem
     #: Parts of the shaft under nuts and bearings.
     stretches: Sequence[ShaftStretch]
-    #: Number c of screw flanks in use: one or two, times the number of balls.
-    flank_count: int
+    #: Jumps of the shaft's motion at the cuts per unit of the W section forces and moments there ``(W, W)``.
+    jumps_per_wrench: Array
 
     def _motions_per_jump(self, stretch: ShaftStretch) -> tuple[Array, Ints]:
         """Return the motions of nodes per unit jump at the cut of a stretch, and the first node above each contact.
@@ -499,7 +520,10 @@ class JumpsInsideStretches:
         beam. By Maxwell's reciprocity, the matrix from the loads to these motions is the transpose of the matrix from flank
         forces to nodal motions in `nodal_motions_by_flank_forces`.
         """
-        out, nodal = np.zeros((2 * self.flank_count, loads.shape[1])), loads.reshape(len(loads) // 6, 6, loads.shape[1])
+        out, nodal = (
+            np.zeros((len(self.added_compliance), loads.shape[1])),
+            loads.reshape(len(loads) // 6, 6, loads.shape[1]),
+        )
         for x in self.stretches:
             moves, first = self._motions_per_jump(x)
             wrenches = np.zeros((len(moves) + 1, *nodal.shape[1:]))
@@ -509,45 +533,6 @@ class JumpsInsideStretches:
             for node, beyond in x.flank_motions_by_node_load.items():
                 out[x.flank_motion_indices] += beyond @ nodal[node]
         return out
-
-
-@dataclass(frozen=True)
-class SectionForceCoupling:
-    """Coupling of contact deformation and section forces of a shaft, which is cut at the upper ends of nuts and bearings.
-
-    It is equation (2) of the module. The shaft has n nodes, and c flanks under the balls. Its section forces deform the
-    grooves and so move the flanks; contact forces in turn strain the shaft. A cut is the upper end of the part of the shaft
-    under a nut or bearing; each cut through which load passes contributes 6 components of section force and moment
-    ("wrench"), W in all. A jump is the motion that the deformation of this part adds to the beam's motion at the cut, see
-    the module. Only ``flank_motions_by_loads`` and ``jumps_by_external_loads`` depend on the external loads.
-    """
-
-    #: Compliance ``(2 c, 2 c)`` [m/N] of the c flanks, two motions each, that the coupling adds to the compliance of beam
-    #: and bodies.
-    added_compliance: Array
-    #: Motions of the c flanks ``(2 c,)`` [m] that the coupling adds to those of the beam under external loads and
-    #: prescribed displacements.
-    flank_motions_by_loads: Array
-    #: Section forces and moments at the cuts, W components in all, per unit motion of the n nodes ``(W, 6 n)``: S of
-    #: equation (2) of the module.
-    wrenches_per_nodal_motion: Array
-    #: Wrench components per unit load on the nodes ``(W, 6 n)``: 1 where a support takes a load on its own node, else 0.
-    wrenches_per_nodal_load: Array
-    #: Motions of the c flanks per unit of the W section forces and moments at the cuts, for the beam without coupling
-    #: ``(2 c, W)``.
-    flank_motions_per_wrench: Array
-    #: Motions of the n nodes per unit of the W section forces and moments at the cuts, for the beam without coupling
-    #: ``(6 n, W)``.
-    nodal_motions_per_wrench: Array
-    #: Jumps of the shaft's motion at the cuts (W components) per unit force on the c flanks ``(W, 2 c)``.
-    jumps_per_flank_force: Array
-    #: Jumps of the shaft's motion at the cuts (W components) by external loads ``(W,)`` [m, rad].
-    jumps_by_external_loads: Array
-    #: Motions of the nodes under nuts and bearings by the forces on the flanks there; equivalent nodal loads on the beam do
-    #: not include them.
-    inner_jumps: JumpsInsideStretches
-    #: Jumps of the shaft's motion at the cuts per unit of the W section forces and moments there ``(W, W)``.
-    jumps_per_wrench: Array
 
     def under_loads_of(
         self, shaft: ShaftBeam, thermal: Array | float = 0.0, thermal_loads: Array | float = 0.0
@@ -567,7 +552,7 @@ class SectionForceCoupling:
         wrench = self.wrenches_per_nodal_motion @ shaft.motions_by_loads[1] - thermal
         wrench += self.wrenches_per_nodal_load @ shaft.problem.load.ravel()
         real = shaft.problem.load - thermal_loads
-        inside = self.inner_jumps.flank_motions_by_nodal_loads(real.reshape(-1, 1))[:, 0]
+        inside = self.flank_motions_by_nodal_loads(real.reshape(-1, 1))[:, 0]
         moved = self.flank_motions_per_wrench @ wrench + inside
         return replace(self, flank_motions_by_loads=moved, jumps_by_external_loads=self.jumps_per_wrench @ wrench)
 
@@ -596,7 +581,7 @@ class SectionForceCoupling:
         fixed
             Which degrees of freedom are fixed ``(n, 6)``; nothing is added to them.
         """
-        shift = self.inner_jumps.nodal_motions_by_flank_forces(pushes.ravel()).reshape(-1, 6)
+        shift = self.nodal_motions_by_flank_forces(pushes.ravel()).reshape(-1, 6)
         return np.where(fixed, motion, motion + shift)
 
     def motions_by_loads(self, loads: Array, motions: Array) -> tuple[Array, Array]:
@@ -610,12 +595,12 @@ class SectionForceCoupling:
             Motions of the beam's nodes ``(6 n, k)`` [m, rad] under these loads without the coupling.
         """
         wrench = self.wrenches_per_nodal_motion @ motions + self.wrenches_per_nodal_load @ loads
-        inside = self.inner_jumps.flank_motions_by_nodal_loads(loads)
+        inside = self.flank_motions_by_nodal_loads(loads)
         return self.flank_motions_per_wrench @ wrench + inside, self.nodal_motions_per_wrench @ wrench
 
 
 def build_shaft_stretch(
-    problem: OnShaft,
+    problem: BeamProblem,
     scene: Scene,
     layout: BallLayout,
     backend: ComplianceModel,
@@ -673,7 +658,7 @@ def section_positions(scene: Scene, layout: BallLayout) -> Array:
     return np.array([scene.nut.position]) if scene.track.lead else np.unique(contact_force_positions(scene, layout))
 
 
-def is_loaded_above_node(problem: OnShaft, cut: int) -> bool:
+def is_loaded_above_node(problem: BeamProblem, cut: int) -> bool:
     """Return whether a support, load or contact acts on the beam above a cut, so that the cut carries a section force.
 
     Parameters
@@ -687,7 +672,7 @@ def is_loaded_above_node(problem: OnShaft, cut: int) -> bool:
     return bool(problem.fixed[beyond].any() or problem.load[beyond].any() or (problem.first_nodes > cut).any())
 
 
-def stiffness_at_cut(problem: OnShaft, cut: int) -> tuple[Array, Array]:
+def stiffness_at_cut(problem: BeamProblem, cut: int) -> tuple[Array, Array]:
     """Return the stiffness of the beam element above a cut: force and moment ("wrench") at the cut per unit motion.
 
     Parameters
@@ -732,7 +717,7 @@ def couple_section_forces(
         return None
     problem = shaft.problem
     dof, rows = flank_motion_coefficients(problem, list(screw_flanks))
-    count, inside = 2 * len(rows), JumpsInsideStretches(problem, stretches, len(rows))
+    count = 2 * len(rows)
     loaded = [x for x in stretches if is_loaded_above_node(problem, x.cut_node)]
     held = [
         (x, node, k) for x in stretches for node in x.flank_motions_by_reaction for k in np.flatnonzero(problem.fixed[node])
@@ -769,5 +754,7 @@ def couple_section_forces(
     added = A.T @ D + per_wrench @ by_forces
     compliance, jumps, none = 0.5 * (added + added.T), H @ M, np.zeros(0)
     by_flanks = D + jumps @ by_forces
-    coupling = SectionForceCoupling(compliance, none, S, P, per_wrench, X @ H @ M, by_flanks, none, inside, jumps)
+    coupling = SectionForceCoupling(
+        compliance, none, S, P, per_wrench, X @ H @ M, by_flanks, none, problem, stretches, jumps
+    )
     return coupling.under_loads_of(shaft, warm, thermal_nodal_loads(np.array([s.EA for s in sections]), strain))

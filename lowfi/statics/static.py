@@ -18,7 +18,7 @@ from rollbench.lowfi.statics import held, selection, settle
 from rollbench.lowfi.statics.equations import SingleNutEquations, StaticInput
 from rollbench.lowfi.statics.equilibrium import Outcome, Solving, solve_alone
 from rollbench.lowfi.statics.held import UnresistedMotions, find_unresisted_motions
-from rollbench.lowfi.statics.problem import Problem, place_balls
+from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.result import StaticResult, Status
 from rollbench.lowfi.statics.summary import assemble_result, failed_result
 from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
@@ -118,10 +118,10 @@ def static_input(scene: Scene, drawn: GeometryWithErrors, layout: BallLayout, **
     positions of the balls; ``how``: other fields of `StaticInput`. All flanks are kept if the whole screw is modelled
     (``everything``), and for non-circular flanks on elastic bodies: the check of left-out flanks knows circular ones only.
     """
-    found = StaticInput(scene, drawn, layout, selection.flanks_of_scene(scene), placed=place_balls(scene, drawn), **how)
+    found = StaticInput(scene, drawn, layout, selection.flanks_of_scene(scene), **how)
     if found.everything or not (found.has_rigid_bodies or not drawn.profile_coefficients.shape[1]):
         return found
-    return replace(found, used_flanks=selection.choose_flanks(scene, drawn, found.placed))
+    return replace(found, used_flanks=selection.choose_flanks(scene, drawn))
 
 
 def solve_static(
@@ -230,13 +230,11 @@ def elastic_solution(
     problem, status = system.problem, solved.status
     if outcome.status in settle.NO_LOADS:
         return failed_result(problem, name, status, perf_counter() - start)
-    description = system.model_description()
-    report = settle.solver_report(
-        outcome, system, description, problem.nodes.size - 1, (start, solved.prepared_at), solved.notes
-    )
-    left_out = selection.describe_left_out_parts(problem, mechanism, everything=problem_input.everything)
-    texts = (*left_out, *description.left_out), description.assumed
-    return (yield from with_note_on_pins(assemble_result(system.solved_state(), name, status, report, *texts), solved))
+    report = settle.solver_report(outcome, system, problem.nodes.size - 1, (start, solved.prepared_at), solved.notes)
+    assumed, neglected = system.assumed_and_left_out()
+    left_out = *selection.describe_left_out_parts(problem, mechanism, everything=problem_input.everything), *neglected
+    result = assemble_result(system.solved_state(), name, status, report, left_out, assumed)
+    return (yield from with_note_on_pins(result, solved))
 
 
 def with_note_on_pins(result: StaticResult, solved: SolvedEquations) -> Solving[StaticResult]:

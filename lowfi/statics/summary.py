@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach
 from rollbench.lowfi.statics.problem import ContactState, Problem, SolvedState
@@ -19,7 +17,6 @@ from rollbench.lowfi.statics.validity import validity_warnings
 from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import FREEDOMS, Load, Scene, Support
-from rollbench.meshes.section import BeamSection
 
 #: Assumptions of every result of Lin's low-order model.
 MODEL_ASSUMPTIONS = (
@@ -63,17 +60,15 @@ def centreline_motions(problem: Problem, q: Array) -> tuple[Array, Array]:
         Motions of the nodes ``(n, 6)`` [m, rad]; for a rigid screw the six coordinates of its motion with respect to the
         basis `Problem.rigid_motion_basis`.
     """
-    length, nodes = problem.scene.screw.length, tuple(problem.nodes.tolist())
+    stations = centreline_positions(problem.scene.screw.length, problem.nodes)
     if problem.rigid_motion_basis is not None:
-        stations, motion = centreline_positions(length, nodes), problem.rigid_motion_basis @ q.ravel()
-        return stations, rigid_motion_transfer_matrix(stations - problem.nodes[0]) @ motion
-    stations, j, m = _cached_motion_matrices(length, nodes, problem.section)
+        return stations, rigid_motion_transfer_matrix(stations - problem.nodes[0]) @ problem.rigid_motion_basis @ q.ravel()
+    j, m = beam_interpolation_matrices(stations, problem.nodes, problem.section)
     of_nodes = q.reshape(-1, 6)
-    motions = np.einsum("kab,kb->ka", m, np.concatenate([of_nodes[j], of_nodes[j + 1]], axis=1))
-    return stations.copy(), np.asarray(motions)
+    return stations, np.asarray(np.einsum("kab,kb->ka", m, np.concatenate([of_nodes[j], of_nodes[j + 1]], axis=1)))
 
 
-def centreline_positions(length: float, nodes: tuple[float, ...]) -> Array:
+def centreline_positions(length: float, nodes: Array) -> Array:
     """Return the sorted axial positions [m] at which the centreline of a screw is reported: every 10 mm, and all nodes.
 
     Parameters
@@ -83,23 +78,8 @@ def centreline_positions(length: float, nodes: tuple[float, ...]) -> Array:
     nodes
         Axial positions of the beam's nodes [m].
     """
-    steps = np.arange(0.0, length + 0.5 * STATION, STATION)
-    return np.array([z for z in sorted({*steps.tolist(), *nodes, length}) if z <= length])
-
-
-@lru_cache(maxsize=8)
-def _cached_motion_matrices(
-    length: float, nodes: tuple[float, ...], section: BeamSection
-) -> tuple[Array, NDArray[np.int64], Array]:
-    """Return the positions at which a screw's centreline is reported, and matrices from node motions to the motions there.
-
-    ``length``: length of the screw [m]; ``nodes``: axial positions of the beam's nodes [m]; ``section``: the screw's
-    cross-section. Returns axial positions ``(k,)`` [m] as for `centreline_positions`; the first node ``(k,)`` of the
-    beam element at each of them; and the matrices ``(k, 6, 12)`` from the motions of the element's two nodes to the
-    motions there (`beam_interpolation_matrices`). The last eight results are cached.
-    """
-    stations = centreline_positions(length, nodes)
-    return stations, *beam_interpolation_matrices(stations, np.array(nodes), section)
+    every = np.unique(np.concatenate([np.arange(0.0, length + 0.5 * STATION, STATION), nodes, [length]]))
+    return every[every <= length]
 
 
 def contact_points_and_force_directions(contacts: ContactState) -> tuple[Array, Array]:

@@ -7,9 +7,9 @@ from typing import Literal
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.statics.contact_law import radius_with_derivatives
+from rollbench.lowfi.statics.contact_law import SIGNS, radius_with_derivatives
 from rollbench.lowfi.statics.contacts import hertz_of_every_contact
-from rollbench.lowfi.statics.problem import SIGNS, ContactState, Problem
+from rollbench.lowfi.statics.problem import ContactState, Problem
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array

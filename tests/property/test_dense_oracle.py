@@ -12,7 +12,7 @@ from rollbench.compare.studies import extremes
 from rollbench.lowfi.statics import settle, static
 from rollbench.lowfi.statics.axis import solve, system
 from rollbench.lowfi.statics.axis.equations import assembly_equations
-from rollbench.lowfi.statics.axis.held import pin_unrestrained_motions, unrestrained_motions
+from rollbench.lowfi.statics.axis.held import pin_unresisted_motions, unresisted_motions
 from rollbench.lowfi.statics.equations import StaticInput
 from rollbench.lowfi.statics.equilibrium import solve_alone
 from rollbench.lowfi.statics.selection import choose_flanks
@@ -48,16 +48,22 @@ def solved_screw(scene):
 
 def solved_axis(assembly):
     """Solved equations of an axis with the flanks that thrust can load, or None where there is no equilibrium."""
-    places = system.ball_positions_with_errors(assembly)
-    arrays = system.build_assembly_arrays(assembly, solve.flanks_by_thrust_direction(assembly), places)
-    loose = unrestrained_motions(arrays)
+    arrays = system.build_assembly_arrays(assembly)
+    loose = unresisted_motions(arrays)
     if loose.is_driven_by_loads:
         return None
     found, outcome = solve_alone(
-        settle.solve_with_updated_contacts(assembly_equations(pin_unrestrained_motions(arrays, loose), None))
+        settle.solve_with_updated_contacts(assembly_equations(pin_unresisted_motions(arrays, loose), None))
     )
-    far = solve.moved_too_far(found.mounted_state_and_reactions()[0].q, arrays)
+    far = solve.moved_too_far(found.body_motions_and_reactions()[0], arrays)
     return found if settle.is_solve_accepted(outcome, found.round_off_residual()) and not far else None
+
+
+def forces_of_slices(found):
+    """Forces of the slices of all rollers of solved equations of an axis [N]."""
+    sets = found.assembly_arrays.roller_sets
+    each = found.forces_and_stiffness_of_slices()[0] if sets else ()
+    return np.concatenate([np.zeros(0), *(each[r.roller_indices, : r.row.slices].ravel() for r in sets)])
 
 
 def check(scene):
@@ -66,7 +72,7 @@ def check(scene):
     if found is None or any(p.drawn.profile_coefficients.shape[1] for p in found.problems):
         return False
     if isinstance(scene, Assembly):
-        frame, slices = frame_of_assembly(found.assembly_arrays), found.mounted_state_and_reactions()[0].slice_forces
+        frame, slices = frame_of_assembly(found.assembly_arrays), forces_of_slices(found)
     else:
         frame, slices = frame_of_problem(found.problem), np.zeros(0)
     balls = [s.force for s in found.contact_states()]

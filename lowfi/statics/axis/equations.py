@@ -22,9 +22,8 @@ from rollbench.lowfi.statics import response
 from rollbench.lowfi.statics import shaft as statics_shaft
 from rollbench.lowfi.statics.axis import system as axis_system
 from rollbench.lowfi.statics.axis.structure import Structure, first_ball_nut, largest_spring_force_term
-from rollbench.lowfi.statics.axis.system import AssemblyArrays, BallSet, MountedState, RollerElements, roller_elements
+from rollbench.lowfi.statics.axis.system import AssemblyArrays, BallSet, all_rollers
 from rollbench.lowfi.statics.contacts import hertz_without_errors, oblique_pressure_coefficient
-from rollbench.lowfi.statics.equations import FORMULATION
 from rollbench.lowfi.statics.equilibrium import (
     BeamBodies,
     Compliances,
@@ -33,7 +32,7 @@ from rollbench.lowfi.statics.equilibrium import (
     StaticSystem,
     small_response,
 )
-from rollbench.lowfi.statics.problem import BeamProblem, ContactState, NominalContacts, Problem
+from rollbench.lowfi.statics.problem import BeamProblem, ContactState, Problem
 from rollbench.lowfi.statics.rolling_elements import (
     RollingElements,
     slice_forces,
@@ -43,7 +42,6 @@ from rollbench.lowfi.statics.rolling_elements import (
 )
 from rollbench.lowfi.statics.settle import (
     FORCE_SETTLED,
-    ModelDescription,
     StaticEquations,
     least_typical_force,
     limits_of,
@@ -168,21 +166,17 @@ class AssemblyEquations(StaticEquations):
         contacts = residual_by_round_off(motion, stiffest, scale, self.problems)
         if self.backend is not None:
             return contacts
-        arrays, q = self.assembly_arrays, self.mounted_state_and_reactions()[0].q
+        arrays, q = self.assembly_arrays, self.body_motions_and_reactions()[0]
         springs = largest_spring_force_term(arrays.structure, q, arrays.moment_arm)
         moved = residual_by_round_off(float(np.abs(q[:, :3]).max(initial=0.0)), stiffest, scale, self.problems)
         return max(contacts, moved, residual_by_round_off(springs, 1.0, scale, ()))
 
-    def model_description(self) -> ModelDescription:
-        """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
-        return ModelDescription(FORMULATION, self.state.phi.size + self.state.a.size, self.assumed)
+    def body_motions_and_reactions(self) -> tuple[Array, Array]:
+        """Return the motions of shaft nodes and moving housings, and the forces at their fixed degrees of freedom.
 
-    def mounted_state_and_reactions(self) -> tuple[MountedState, Array]:
-        """Return the present motions of shaft nodes and housings with all contacts, and support reactions.
-
-        The reactions ``(r, 6)`` [N, N m] act on the r shaft nodes and housings and are zero at free degrees of freedom. All
-        follow from the forces with which the bodies are in equilibrium, not from those by the contact law, which differ by
-        the residual: even so small an error moves a long, compliant shaft noticeably.
+        Motions ``(r, 6)`` [m, rad] come first, then forces and moments ``(r, 6)`` [N, N m], zero at free degrees of
+        freedom. All follow from the forces with which the bodies are in equilibrium, not from those by the contact law,
+        which differ by the residual: even so small an error moves a long, compliant shaft noticeably.
         """
         arrays, shaft, h, a = self.assembly_arrays, self.shaft, self.housings, self.state.a[0]
         structure, forces, coupling = arrays.structure, self.state.phi[0], self.coupling
@@ -202,24 +196,17 @@ class AssemblyEquations(StaticEquations):
         held = np.where(structure.fixed, taken - loads, 0.0)
         if coupling is not None:
             q[:n] = coupling.add_jumps_inside_stretches(q[:n], pushes, structure.fixed[:n])
-        found = self.state.forces
-        return MountedState(q, found.centres[0], found.contacts, *self.forces_and_stiffness_of_slices()), held
+        return q, held
 
     def forces_and_stiffness_of_slices(self) -> tuple[Array, Array]:
-        """Return force [N] and stiffness [N/m] of all K roller slices ``(K,)``, one bearing after the other.
+        """Return force [N] and stiffness [N/m] of the slices of all rollers ``(R, K)``; zeros for unused slices.
 
         They follow from the motions of the rings at the rollers, whose round-off is less than that of the bodies' motions.
         """
-        arrays, rollers, first = self.assembly_arrays, self.system.elements.rollers, 0
-        out = [np.zeros((2, 0))]
-        if rollers is not None:
-            rings = self.state.motions[:, arrays.ball_count :]
-            each = np.stack(slice_forces(rollers, rings[:, :, 0] - rings[:, :, 2])[:2])[:, 0]
-            for r in arrays.roller_sets:
-                out.append(each[:, first : first + r.row.count, : r.row.slices].reshape(2, -1))
-                first += r.row.count
-        force, stiffness = np.concatenate(out, axis=1)
-        return force, stiffness
+        rollers, rings = self.system.elements.rollers, self.state.motions[:, self.assembly_arrays.ball_count :]
+        assert rollers is not None
+        force, stiffness, _ = slice_forces(rollers, rings[:, :, 0] - rings[:, :, 2])
+        return force[0], stiffness[0]
 
     def stiffness_of_sets_and_assembly(self) -> tuple[Sequence[Array], Array | None]:
         """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of each bearing or nut, and of the assembly.
@@ -329,46 +316,49 @@ def compliance_of_screw_and_nut(
     return (blocks[0], blocks[1]), terms, assumed
 
 
-def flank_motions_by_housings(system: AssemblyArrays, rollers: RollerElements) -> tuple[Array, Array]:
+def flank_motions_by_housings(system: AssemblyArrays) -> tuple[Array, Array]:
     """Return the motions of the flanks of outer and of inner rings per unit motion of the m moving housings.
 
     The first matrix ``(4 N, 6 m)`` holds the motions of the flanks of nuts and outer rings, the second those of inner rings
     that a housing carries. The rows are two flanks with two components for each of N rolling elements: balls come first,
-    then ``rollers``, whose outer flank is the cup. ``system``: arrays of the assembly.
+    then rollers, whose outer flank is the cup. ``system``: arrays of the assembly.
     """
     n, m, balls = system.structure.nodes.size, system.structure.housing_positions.size, system.ball_count
-    outer, inner = np.zeros((2, balls + rollers.count, 2, 2, 6 * m))
+    outer, inner = np.zeros((2, balls + system.roller_count, 2, 2, 6 * m))
     for b in system.ball_sets:
         carrier = -1 if b.of.carrier is None else int(b.problem.first_nodes[0, 0])
         for rows, row, flanks in ((outer, b.outer_body_row, slice(2, 4)), (inner, carrier, slice(2))):
             if row >= 0:
                 rows[b.ball_indices, :, :, 6 * (row - n) : 6 * (row - n) + 6] = b.flank_motions_per_body_motion(flanks)
-    for i in np.flatnonzero(rollers.cup_body_rows >= 0):
-        j = 6 * (int(rollers.cup_body_rows[i]) - n)
-        outer[balls + i, 0, :, j : j + 6] = rollers.B[i, 1]
+    for r in system.roller_sets:
+        first = 6 * (r.ring_bodies[1] - n)
+        if first >= 0:
+            outer[balls:][r.roller_indices, 0, :, first : first + 6] = r.B[:, 1]
     return outer.reshape(4 * len(outer), 6 * m), inner.reshape(4 * len(inner), 6 * m)
 
 
-def problem_of_beam(arrays: AssemblyArrays, rollers: RollerElements) -> BeamProblem:
+def problem_of_beam(arrays: AssemblyArrays) -> BeamProblem:
     """Return how all balls, then all rollers of an assembly lie on the shaft's beam.
 
-    ``arrays``: arrays of the assembly; ``rollers``: its rollers as elements between rigid rings.
+    ``arrays``: arrays of the assembly.
     """
     s, sets, n = arrays.structure, arrays.ball_sets, arrays.structure.nodes.size
     width = sets[0].problem.B.shape[3] if sets else 6
     # the shaft does not move the flanks of an inner ring that a housing carries
     on_shaft = [float(b.of.carrier is None) for b in sets]
     nodes = [(x * b.problem.first_nodes).astype(np.int64) for x, b in zip(on_shaft, sets, strict=True)]
-    on_cones = np.stack([rollers.B[:, 0], np.zeros((rollers.count, 2, 6))], axis=1)
-    at_cones = np.repeat(rollers.cone_nodes[:, None], 2, axis=1)
-    at_cones, on_cones = axis_system.pad_coefficients_to_two_bodies(at_cones, on_cones, width, n)
+    cones = (
+        (np.full((r.row.count, 2), r.ring_bodies[0]), np.stack([r.B[:, 0], 0.0 * r.B[:, 0]], axis=1))
+        for r in arrays.roller_sets
+    )
+    rollers = [axis_system.pad_coefficients_to_two_bodies(at, B, width, n) for at, B in cones]
     return BeamProblem(
         nodes=s.nodes,
         fixed=s.fixed[:n],
         prescribed=s.prescribed[:n],
         load=s.load[:n],
-        first_nodes=np.concatenate([*nodes, at_cones]),
-        B=np.concatenate([*(x * b.problem.B for x, b in zip(on_shaft, sets, strict=True)), on_cones]),
+        first_nodes=np.concatenate([*nodes, *(at for at, _ in rollers)]),
+        B=np.concatenate([*(x * b.problem.B for x, b in zip(on_shaft, sets, strict=True)), *(B for _, B in rollers)]),
         section=s.sections[0],
         element_sections=s.sections,
         moment_arm=sets[0].problem.moment_arm if sets else arrays.moment_arm,
@@ -397,16 +387,15 @@ def assembly_equations(
         With elastic bodies: if an inner ring sits on a housing that stands on springs, there are more than `LARGEST`
         rolling elements, or a body has impossible dimensions.
     """
-    rollers, balls, sets = roller_elements(arrays.roller_sets), arrays.balls, arrays.ball_sets
-    count = arrays.ball_count
-    N = count + rollers.count
+    balls, sets, count = arrays.balls, arrays.ball_sets, arrays.ball_count
+    N = count + arrays.roller_count
     if backend is not None and N > response.LARGEST:
         raise ValueError(
             f"elastic bodies are allowed with at most {response.LARGEST} balls and rollers, got {N}; use the model lin"
         )
-    shaft, both = statics_shaft.build_shaft(problem_of_beam(arrays, rollers)), [0, 1]
+    shaft, both = statics_shaft.build_shaft(problem_of_beam(arrays)), [0, 1]
     housings = build_housings(arrays.structure, arrays.moment_arm)
-    outer, inner = flank_motions_by_housings(arrays, rollers)
+    outer, inner = flank_motions_by_housings(arrays)
     free = motions_without_contacts(arrays, shaft, housings, (outer, inner))
     scale = axis_system.assembly_residual_scale(arrays, known)
     largest = float(balls.radius.max()) if count else max(r.row.length for r in arrays.roller_sets)
@@ -440,9 +429,8 @@ def assembly_equations(
         clipped = f"negative compliance of the bodies, up to {100 * cut:.2g} % of a contact's, is set to zero"
         texts = dict.fromkeys(f"{b.of.name}: {x}" for b, (_, _, of) in zip(sets, parts, strict=True) for x in of)
         assumed = (*texts, *((clipped,) if cut > 1e-6 else ()))
-    contacts = NominalContacts.concatenated([b.problem.contacts for b in sets])
-    springs = starting_springs(contacts, None, scale.stiffness), starting_springs_of_rollers(rollers.count, scale.stiffness)
-    elements = RollingElements(balls, rollers.rollers if rollers.count else None, np.array([scale.unloaded_force_limit]))
+    springs = starting_springs(balls, None, scale.stiffness), starting_springs_of_rollers(N - count, scale.stiffness)
+    elements = RollingElements(balls, all_rollers(arrays.roller_sets), np.array([scale.unloaded_force_limit]))
     return AssemblyEquations(
         system=StaticSystem(bodies, elements, np.concatenate(springs, axis=1), limits_of(scale, largest)),
         assembly_arrays=arrays,
@@ -552,7 +540,7 @@ def elastic_bodies(
         response.tangent_compliance_of_contact(b.problem, x) for b, x in zip(arrays.ball_sets, typical, strict=True)
     )
     normals = np.zeros((N, 4, 2))
-    normals[: arrays.ball_count] = np.concatenate([b.problem.contacts.normals for b in arrays.ball_sets])
+    normals[: arrays.ball_count] = arrays.balls.normals[0]
     carriers = (beam[np.ix_(order, order)], normals[:, :2]), (outer @ housings.motions_under_loads(outer.T), normals[:, 2:])
     mended = (
         response.contact_compliance(G + block_diag(*(x[k] for x in own), rigid_rings), n.reshape(-1, 2))

@@ -11,7 +11,7 @@ not restrained.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -19,6 +19,7 @@ import numpy as np
 from rollbench.lowfi.statics import held
 from rollbench.lowfi.statics.axis.structure import restraints_on_rigid_motions, rigid_motions_of_shaft_and_housings
 from rollbench.lowfi.statics.axis.system import AssemblyArrays, BallSet
+from rollbench.lowfi.statics.held import UnresistedMotions
 from rollbench.lowfi.statics.problem import point_motion_matrix
 from rollbench.lowfi.statics.result import Status
 from rollbench.lowfi.statics.shape import independent_columns, null_space_of_constraints
@@ -26,22 +27,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import FREEDOMS
 
 
-@dataclass(frozen=True)
-class UnrestrainedMotions:
-    """Rigid motions of shaft and housings that no support, spring or contact resists, and pins that prevent them.
-
-    A pin is a degree of freedom that the model fixes although no support does.
-    """
-
-    #: Whether the loads do work on an unrestrained motion, so that there is no equilibrium.
-    is_driven_by_loads: bool
-    #: Text for the user that describes the unrestrained motions; empty if there are none.
-    description: str
-    #: For each pin the number of the shaft node or housing, and the number (0 to 5) of its degree of freedom that is fixed.
-    pins: tuple[tuple[int, int], ...] = ()
-
-
-def unrestrained_motions(system: AssemblyArrays) -> UnrestrainedMotions:
+def unresisted_motions(system: AssemblyArrays) -> UnresistedMotions:
     """Return the rigid motions of shaft and housings that no support, spring, ball or roller resists.
 
     The motions are found from those of the bodies at the balls' centres, where a screw motion along the helix is exactly
@@ -63,17 +49,17 @@ def unrestrained_motions(system: AssemblyArrays) -> UnrestrainedMotions:
     rows += _approach_change_of_rollers(system, by_row)
     null = null_space_of_constraints(np.concatenate(rows))
     if not null.shape[0]:
-        return UnrestrainedMotions(False, "")
+        return UnresistedMotions(False, "")
     free = (motions @ null.T).reshape(-1, 6, null.shape[0])
     text = describe_rigid_motions(system, free)
     if held.loads_do_work_on(np.einsum("rkc,rk->c", free, s.load), s.load, system.moment_arm):
         why = f"{text}: no support, spring or rolling element resists it, and the loads drive it"
-        return UnrestrainedMotions(True, why)
+        return UnresistedMotions(True, why)
     rows_of = [0, *range(n, s.body_positions.size)]
     flat = free[rows_of].reshape(-1, null.shape[0])
     arms = np.tile(np.repeat([1.0, system.moment_arm], 3), len(rows_of))
     chosen = independent_columns((flat * arms[:, None]).T)
-    return UnrestrainedMotions(False, text, tuple((rows_of[k // 6], k % 6) for k in chosen))
+    return UnresistedMotions(False, text, tuple(6 * rows_of[k // 6] + k % 6 for k in chosen))
 
 
 def describe_rigid_motions(system: AssemblyArrays, free: Array) -> str:
@@ -99,16 +85,15 @@ def describe_rigid_motions(system: AssemblyArrays, free: Array) -> str:
     return "rigid motion of " + " and ".join(motions)
 
 
-def pin_unrestrained_motions(system: AssemblyArrays, unrestrained_motions: UnrestrainedMotions) -> AssemblyArrays:
+def pin_unresisted_motions(system: AssemblyArrays, motions: UnresistedMotions) -> AssemblyArrays:
     """Return the assembly's arrays with fixed degrees of freedom ("pins") against motions that nothing resists.
 
-    ``unrestrained_motions``: these motions, with the degrees of freedom to fix; without any, ``system`` itself is returned.
+    ``motions``: these motions, with the degrees of freedom to fix; without any, ``system`` itself is returned.
     """
-    if not unrestrained_motions.pins:
+    if not motions.pins:
         return system
     fixed = system.structure.fixed.copy()
-    for row, k in unrestrained_motions.pins:
-        fixed[row, k] = True
+    fixed.flat[list(motions.pins)] = True
     return replace(system, structure=replace(system.structure, fixed=fixed))
 
 
@@ -182,11 +167,12 @@ def _approach_change_of_rollers(system: AssemblyArrays, by_row: Array) -> list[A
     by_row
         Rigid motions of all shaft nodes and housings ``(r, 6, k)``.
     """
-    out = []
-    for a in (x.slices for x in system.roller_sets):
-        moved = np.einsum("mek,mekj->mej", a.B, by_row[a.ring_bodies]) * (a.ring_bodies >= 0)[..., None]
-        out.append(moved.sum(axis=1))
-    return out
+    signs = (1.0, -1.0)  # the approach is the motion of the cone less that of the cup
+    rings = ([(k, row) for k, row in enumerate(r.ring_bodies) if row >= 0] for r in system.roller_sets)
+    return [
+        sum(signs[k] * (r.slice_motions(k) @ by_row[row]) for k, row in of)
+        for r, of in zip(system.roller_sets, rings, strict=True)
+    ]
 
 
 def status_of_runaway_assembly(system: AssemblyArrays) -> Status:

@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
-from rollbench.lowfi.compliance.parts import ComplianceModel
 from rollbench.lowfi.rollers import half_widths_and_pressures_of_slices, tapered_bearing_of_row
 from rollbench.lowfi.statics import summary
 from rollbench.lowfi.statics.axis import system as axis_system
 from rollbench.lowfi.statics.axis.equations import AssemblyEquations
 from rollbench.lowfi.statics.axis.held import APEX, status_of_reversed_thrust
-from rollbench.lowfi.statics.axis.system import AssemblyArrays, BallSet, MountedState, RollerSet
+from rollbench.lowfi.statics.axis.system import AssemblyArrays, BallSet, RollerSet
 from rollbench.lowfi.statics.problem import ContactState
-from rollbench.lowfi.statics.result import HEAT, AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, Status
+from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, Status
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix
 from rollbench.lowfi.statics.validity import contact_warnings, large_tilt_warning, rotation_warning
 from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow, RollingSet
-from rollbench.meshes.section import BeamSection
 
 #: Assumptions of every result of Lin's low-order model on a shaft with several bearings and nuts.
 AXIS_ASSUMPTIONS = (
@@ -40,87 +37,56 @@ ROLLERS = (
 NOTHING = 10.0 * ACCEPTED
 
 
-class AssemblyModel(NamedTuple):
-    """Mechanical model of an assembly: its name, its assumptions, and the function that makes its equations."""
-
-    #: Name of the model.
-    name: str
-    #: Assumptions of the model, as sentences.
-    assumed: tuple[str, ...]
-    #: Effects that the model neglects, as sentences.
-    left_out: tuple[str, ...]
-    #: Method by which the compliance of screws, nuts and balls is computed; None: they are rigid.
-    backend: ComplianceModel | None
-    #: Cross-section of the threaded shaft; None: computed from the assembly's dimensions.
-    threaded_shaft_section: BeamSection | None
-    #: Whether flanks that are expected to lift off the balls, by loads and axial offsets, are left out of the equations.
-    leaves_out_lifted_flanks: bool
-
-
 def result_of_solved_assembly(
-    equations: AssemblyEquations,
-    mounted: tuple[MountedState, Array],
-    model: AssemblyModel,
-    status: Status,
-    report: SolverReport,
-    pinned_motions_text: str,
+    equations: AssemblyEquations, q: Array, reactions: Array, status: Status, report: SolverReport
 ) -> AxisResult:
     """Return the result of a solved assembly: bearings, housings, reactions, equilibrium check, stiffness and status.
+
+    Of its assumptions it states those that depend on the bearings and nuts.
 
     Parameters
     ----------
     equations
         Solved equations of the assembly.
-    mounted
-        Motions of shaft nodes and housings with all contacts, then forces and moments at the fixed degrees of freedom of
-        shaft nodes and moving housings ``(r, 6)`` [N, N m].
-    model
-        Mechanical model.
+    q
+        Motions of shaft nodes and moving housings ``(r, 6)`` [m, rad].
+    reactions
+        Forces and moments at the fixed degrees of freedom of shaft nodes and moving housings ``(r, 6)`` [N, N m].
     status
         Status that the solver reported.
     report
         Effort and accuracy of the solve.
-    pinned_motions_text
-        Text that names the rigid motions which the model prevents by fixing degrees of freedom, because no support or
-        contact resists them; empty if there are none.
     """
-    system, (state, reactions), scale = equations.assembly_arrays, mounted, equations.residual_force_scale
+    system, scale = equations.assembly_arrays, equations.residual_force_scale
     assembly, structure = system.assembly, system.structure
     r, n = structure.body_positions.size, structure.nodes.size
     stiffnesses, whole = equations.stiffness_of_sets_and_assembly()
     of_sets = zip(system.ball_sets, equations.contact_states(), stiffnesses, strict=True)
-    by_name = {b.of.name: result_of_ball_set(system, b, state, report, at, K) for b, at, K in of_sets}
-    by_name |= {x.of.name: result_of_roller_bearing(x, state, structure.body_positions) for x in system.roller_sets}
+    by_name = {b.of.name: result_of_ball_set(system, b, q, report, at, K) for b, at, K in of_sets}
+    by_name |= {x.of.name: result_of_roller_bearing(x, equations, q) for x in system.roller_sets}
     sets = tuple(by_name[s.name] for s in assembly.sets)
-    balance = _check_shaft_equilibrium(system, state, reactions, scale, sets)
-    housings = tuple(_result_of_housing(system, i, sets, state.q, reactions, scale) for i in range(r - n))
-    found = ((s, s.balls.warnings if s.balls else roller_warnings(s, structure.nodes, state.q[:n])) for s in sets)
+    balance = _check_shaft_equilibrium(equations, q, reactions, sets)
+    housings = tuple(_result_of_housing(system, i, sets, q, reactions, scale) for i in range(r - n))
+    found = ((s, s.balls.warnings if s.balls else roller_warnings(s, structure.nodes, q[:n])) for s in sets)
     warnings = tuple(w.with_part_name(s.of.name) for s, of_set in found for w in of_set)
     status = summary.add_reason_not_unique(status_after_assembly_check(status, system, balance, housings), warnings)
     if status == "converged":
         status = status_of_reversed_bearing(system, sets, scale) or status
-    fixed = "fixed at its initial position, as no load drives and nothing resists it"
     at = axis_system.location_of_reported_stiffness(assembly)
     station = None if isinstance(at, str) else float(structure.nodes[axis_system.body_of_reported_stiffness(system)])
     return AxisResult(
-        model=model.name,
+        model="",
         status=status,
         sets=sets,
         housings=housings,
         centreline_z=structure.nodes,
-        centreline=state.q[:n].copy(),
+        centreline=q[:n].copy(),
         equilibrium=balance,
         stiffness_at=f"shaft at {1e3 * station:.6g} mm" if station is not None else str(at),
         station=station,
         stiffness=whole,
         solver=report,
-        assumed=(*assembly.assumed, *model.assumed, *equations.assumed, *((ROLLERS,) if system.roller_sets else ())),
-        left_out=(
-            *((HEAT,) if assembly.thermal_strain else ()),
-            *((f"{pinned_motions_text}: {fixed}",) if pinned_motions_text else ()),
-            *model.left_out,
-            *axis_system.describe_left_out_flanks(system),
-        ),
+        assumed=(*equations.assumed, *((ROLLERS,) if system.roller_sets else ())),
         warnings=warnings,
         reactions=summary.nodal_reactions(structure.nodes, assembly.supports, reactions[:n]),
     )
@@ -180,14 +146,9 @@ def status_of_reversed_bearing(system: AssemblyArrays, sets: Sequence[SetResult]
 
 
 def result_of_ball_set(
-    system: AssemblyArrays,
-    ball_set: BallSet,
-    state: MountedState,
-    report: SolverReport,
-    contacts: ContactState,
-    stiffness: Array,
+    system: AssemblyArrays, ball_set: BallSet, q: Array, report: SolverReport, contacts: ContactState, stiffness: Array
 ) -> SetResult:
-    """Return the result of one ball nut or ball bearing: contacts, and force and moment on the shaft and on nut or ring.
+    """Return the result of one ball nut or ball bearing: contacts, force and moment on the shaft, and stiffness.
 
     Parameters
     ----------
@@ -195,8 +156,8 @@ def result_of_ball_set(
         Arrays of the assembly.
     ball_set
         The nut or bearing.
-    state
-        Motions of shaft nodes and housings, and all contacts.
+    q
+        Motions of shaft nodes and moving housings ``(r, 6)`` [m, rad].
     report
         Effort and accuracy of the solve.
     contacts
@@ -206,38 +167,36 @@ def result_of_ball_set(
     """
     of, nodes = ball_set.of, system.structure.nodes
     deep = of.thrust == "deep groove"
-    result = summary.contact_result(contacts, nodes, state.q[: nodes.size], report, arc_on_both_sides=deep)
+    result = summary.contact_result(contacts, nodes, q[: nodes.size], report, arc_on_both_sides=deep)
     forces, points = -result.force_direction * contacts.force[..., None], result.contact_point
     on_shaft, back = (_resultant_about_axis_point(points[:, x], forces[:, x], of.position) for x in (slice(2), slice(2, 4)))
-    outer = _outer_part_motion(of, ball_set.outer_body_row, state, system.structure.body_positions)
+    outer = _outer_part_motion(of, ball_set.outer_body_row, q, system.structure.body_positions)
     return SetResult(of, *on_shaft, np.concatenate(back), stiffness, outer, result)
 
 
-def result_of_roller_bearing(roller_set: RollerSet, state: MountedState, stations: Array) -> SetResult:
+def result_of_roller_bearing(roller_set: RollerSet, equations: AssemblyEquations, q: Array) -> SetResult:
     """Return the result of one tapered roller bearing: roller loads, force and moment on the shaft, and stiffness.
 
     Parameters
     ----------
     roller_set
         The bearing.
-    state
-        Motions of shaft nodes and housings, and all contacts.
-    stations
-        Axial positions of shaft nodes and moving housings [m].
+    equations
+        Solved equations of the assembly.
+    q
+        Motions of shaft nodes and moving housings ``(r, 6)`` [m, rad].
     """
-    forces, stiffness = (x[roller_set.slice_indices] for x in (state.slice_forces, state.slice_stiffness))
-    inner = float(stations[roller_set.slices.ring_bodies[0, 0]])
-    B = roller_set.slices.B[:, 0] @ rigid_motion_transfer_matrix(inner - roller_set.of.position)
-    wrench, K = -forces @ B, (B.T * stiffness) @ B
-    row = roller_set.row
-    loads = forces.reshape(row.count, row.slices)
-    lines = loads * row.slices / row.length
-    outer = _outer_part_motion(roller_set.of, int(roller_set.slices.ring_bodies[0, 1]), state, stations)
-    of_rollers = roller_set.roller_azimuths, loads.sum(axis=1), lines
-    return SetResult(roller_set.of, wrench[:3], wrench[3:], -wrench, K, outer, None, *of_rollers)
+    of, row, stations = roller_set.of, roller_set.row, equations.assembly_arrays.structure.body_positions
+    loads, stiffness = (x[roller_set.roller_indices, : row.slices] for x in equations.forces_and_stiffness_of_slices())
+    cone, cup = roller_set.ring_bodies
+    B = roller_set.slice_motions(0) @ rigid_motion_transfer_matrix(float(stations[cone]) - of.position)
+    wrench, K = -loads.ravel() @ B, (B.T * stiffness.ravel()) @ B
+    outer = _outer_part_motion(of, cup, q, stations)
+    of_rollers = roller_set.roller_azimuths, loads.sum(axis=1), loads * row.slices / row.length
+    return SetResult(of, wrench[:3], wrench[3:], -wrench, K, outer, None, *of_rollers)
 
 
-def _outer_part_motion(of: RollingSet, row: int, state: MountedState, stations: Array) -> Array:
+def _outer_part_motion(of: RollingSet, row: int, q: Array, stations: Array) -> Array:
     """Return the motion ``(6,)`` [m, rad] of an outer ring or nut at its axial position, its prescribed offset included.
 
     Parameters
@@ -247,13 +206,13 @@ def _outer_part_motion(of: RollingSet, row: int, state: MountedState, stations: 
     row
         Number of the housing of its outer ring or nut among the bodies (shaft nodes, then moving housings); -1 if it is
         fixed.
-    state
-        Motions of shaft nodes and housings.
+    q
+        Motions of shaft nodes and moving housings ``(r, 6)`` [m, rad].
     stations
         Axial positions of shaft nodes and moving housings [m].
     """
     offset = np.array([0.0, 0.0, of.offset, 0.0, 0.0, 0.0])
-    return rigid_motion_transfer_matrix(of.position - float(stations[row])) @ state.q[row] + offset if row >= 0 else offset
+    return rigid_motion_transfer_matrix(of.position - float(stations[row])) @ q[row] + offset if row >= 0 else offset
 
 
 def _resultant_about_axis_point(points: Array, forces: Array, station: float) -> tuple[Array, Array]:
@@ -273,13 +232,14 @@ def _resultant_about_axis_point(points: Array, forces: Array, station: float) ->
 
 
 def _check_shaft_equilibrium(
-    system: AssemblyArrays, state: MountedState, reactions: Array, largest: float, sets: tuple[SetResult, ...]
+    equations: AssemblyEquations, q: Array, reactions: Array, sets: tuple[SetResult, ...]
 ) -> Equilibrium:
     """Return the check of the shaft's equilibrium under external loads, reactions, and forces of bearings and nuts.
 
-    ``state``: solved motions; ``reactions`` ``(r, 6)`` [N, N m]: at the fixed degrees of freedom; ``largest``: largest
-    force in the model [N]; ``sets``: results of the bearings and nuts.
+    ``equations``: solved equations; ``q`` ``(r, 6)`` [m, rad]: motions of shaft nodes and moving housings; ``reactions``
+    ``(r, 6)`` [N, N m]: at the fixed degrees of freedom; ``sets``: results of the bearings and nuts.
     """
+    system, largest = equations.assembly_arrays, equations.residual_force_scale
     nodes = system.structure.nodes
     applied, contact = summary.resultant_of_loads(system.assembly.loads), np.zeros(6)
     reaction = summary.resultant_about_origin(nodes, reactions[: nodes.size])
@@ -288,10 +248,9 @@ def _check_shaft_equilibrium(
         contacts = 0.0 if s.balls is None else float(s.balls.load.max(initial=0.0))
         largest = max(largest, float(np.abs(s.force).max()), contacts)
     size = max(largest, float(np.abs(np.concatenate([applied[:3], reaction[:3]])).max()))
-    noise = summary.round_off_forces(np.diff(nodes), system.structure.section_stiffnesses, state.q[: nodes.size])
-    net = summary.magnitudes_of_net_ball_forces(state.contacts.force[0], state.contacts.normal[0])
-    sums, net_on_balls = (applied, reaction, contact, np.zeros(6)), net
-    return summary.check_equilibrium(sums, size, system.moment_arm, noise, net_on_balls)
+    noise = summary.round_off_forces(np.diff(nodes), system.structure.section_stiffnesses, q[: nodes.size])
+    net = equations.state.forces.contacts.net_forces[0]
+    return summary.check_equilibrium((applied, reaction, contact, np.zeros(6)), size, system.moment_arm, noise, net)
 
 
 def _result_of_housing(

@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import accumulate
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,14 +20,14 @@ from rollbench.lowfi.hertz import contact_force
 from rollbench.lowfi.rollers import slice_middles, tapered_bearing_of_row
 from rollbench.lowfi.statics import problem as statics_problem
 from rollbench.lowfi.statics.axis.structure import Structure, build_structure
-from rollbench.lowfi.statics.rolling_elements import Balls, Contacts, Rollers
+from rollbench.lowfi.statics.rolling_elements import Balls, Rollers
 from rollbench.lowfi.statics.settle import ResidualScale
 from rollbench.lowfi.statics.shape import beam_interpolation_matrices
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
 from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
 from rollbench.meshes.helix import BallLayout, ball_layout
-from rollbench.meshes.parts import SIDES, Load, Scene
+from rollbench.meshes.parts import Load, Scene
 from rollbench.meshes.section import BeamSection, contact_force_positions
 
 Ints = NDArray[np.int64]
@@ -43,40 +42,6 @@ USE = {
     "-z": np.array([False, True, True, False]),
     "deep groove": np.array([True, False, False, True]),
 }
-
-
-class RollerSlices(NamedTuple):
-    """The K slices into which the rollers of bearings are divided across their axes, between rigid rings.
-
-    The line contacts of a slice with both raceways are in series. The approach of the raceways at a slice is B q - gap,
-    with the motions q of the bodies that carry the rings.
-    """
-
-    #: Numbers ``(K, 2)`` of the bodies (shaft node or housing) that carry inner and outer ring; -1 if the ring is fixed.
-    ring_bodies: Ints
-    #: Approach of the raceways at each slice per unit motion of the bodies that carry inner and outer ring ``(K, 2, 6)``.
-    B: Array
-    #: Gap ``(K,)`` [m] between slice and raceways by crowning and by the ring's axial offset, without motions of the rings.
-    gap: Array
-    #: Widths of the slices ``(K,)`` [m].
-    width: Array
-    #: Constants ``(K,)`` [m^2/N] of the slice's law, `contact_law.line_contact_law`.
-    g: Array
-    s: Array
-
-
-class MountedState(NamedTuple):
-    """State of a solved assembly with r bodies (shaft nodes and moving housings), N balls and K roller slices."""
-
-    #: Motions of the bodies ``(r, 6)`` [m, rad].
-    q: Array
-    #: Displacements of the ball centres in their section planes ``(N, 2)`` [m].
-    centres: Array
-    #: Contacts of the balls, of one member.
-    contacts: Contacts
-    #: Force [N] and stiffness [N/m] of each slice ``(K,)``.
-    slice_forces: Array
-    slice_stiffness: Array
 
 
 @dataclass
@@ -135,12 +100,23 @@ class RollerSet:
     of: RollingSet
     #: Dimensions of the rollers and raceways.
     row: RollerRow
-    #: Indices of the roller slices of this bearing among those of all roller bearings.
-    slice_indices: slice
+    #: Indices of the rollers of this bearing among those of all roller bearings.
+    roller_indices: slice
     #: Azimuths of the rollers ``(count,)`` [rad].
     roller_azimuths: Array
-    #: Its roller slices: motions, gaps, widths and force law.
-    slices: RollerSlices
+    #: Numbers of the bodies (shaft node or housing) that carry cone and cup; -1 if the cup is fixed.
+    ring_bodies: tuple[int, int]
+    #: Motions of cone and cup at each roller per unit motion of the bodies that carry them ``(count, 2, 2, 6)``. The axes
+    #: are: roller; cone or cup; displacement along the contact normal at the roller's middle, or its slope along the roller
+    #: times the roller's length; the six motions of the body.
+    B: Array
+    #: Positions, widths and gaps of the rollers' slices, and their force law.
+    rollers: Rollers
+
+    def slice_motions(self, ring: int) -> Array:
+        """Return the motions of cone (``ring`` 0) or cup (1) at all slices per unit motion of their body ``(K, 6)``."""
+        middle, slope = self.B[:, ring, :, None].swapaxes(0, 1)
+        return np.asarray(middle + self.rollers.positions[0, :, :, None] * slope).reshape(-1, 6)
 
 
 @dataclass
@@ -167,6 +143,11 @@ class AssemblyArrays:
         """Return the number N of all balls."""
         return int(self.balls.C.shape[1])
 
+    @property
+    def roller_count(self) -> int:
+        """Return the number of all rollers."""
+        return sum(r.row.count for r in self.roller_sets)
+
 
 def ball_positions_with_errors(assembly: Assembly, member: int = 0) -> list[Placed]:
     """Return the ball positions, and the dimensions with manufacturing errors, of each ball nut and ball bearing.
@@ -183,23 +164,17 @@ def ball_positions_with_errors(assembly: Assembly, member: int = 0) -> list[Plac
     return [(x, draw_geometry_with_errors(scene, x, member)) for scene, x in zip(scenes, layouts, strict=True)]
 
 
-def build_assembly_arrays(
-    assembly: Assembly,
-    flanks: Sequence[NDArray[np.bool_]] | None = None,
-    places: Sequence[Placed] | None = None,
-    section: BeamSection | None = None,
-) -> AssemblyArrays:
+def build_assembly_arrays(assembly: Assembly, member: int = 0, section: BeamSection | None = None) -> AssemblyArrays:
     """Return an assembly (shaft, bearings, ball nuts and housings) as arrays.
+
+    A flank gets contacts if thrust in the direction that its nut or bearing carries can load it.
 
     Parameters
     ----------
     assembly
         Shaft with bearings and ball nuts.
-    flanks
-        For each ball nut or ball bearing, which of its four flanks get contacts ``(4,)``. None: all flanks that can be
-        loaded by thrust in the direction which the nut or bearing carries.
-    places
-        Result of `ball_positions_with_errors`; None: that of specimen 0.
+    member
+        Number of the specimen: each number gives other random errors.
     section
         Cross-section of the threaded shaft; None: computed from the assembly's dimensions.
 
@@ -210,21 +185,20 @@ def build_assembly_arrays(
     """
     parts = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     rows = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)]
-    used = [USE[s.thrust] for s, _ in parts] if flanks is None else flanks
-    placed = ball_positions_with_errors(assembly) if places is None else places
+    placed = ball_positions_with_errors(assembly, member)
     stations = [
-        contact_force_positions(scene, layout)[:, use[:2]].ravel()
-        for (s, scene), (layout, _), use in zip(parts, placed, used, strict=True)
+        contact_force_positions(scene, layout)[:, USE[s.thrust][:2]].ravel()
+        for (s, scene), (layout, _) in zip(parts, placed, strict=True)
         if s.carrier is None
     ]
     structure = build_structure(assembly, np.concatenate([[s.position for s, _ in rows], *stations]), section)
     first_balls = accumulate((layout.z.size for layout, _ in placed), initial=0)
     balls = [
-        _build_ball_set(of, scene, structure, use, place, first)
-        for (of, scene), use, place, first in zip(parts, used, placed, first_balls, strict=False)
+        _build_ball_set(of, scene, structure, place, first)
+        for (of, scene), place, first in zip(parts, placed, first_balls, strict=False)
     ]
-    first_slices = accumulate((row.count * row.slices for _, row in rows), initial=0)
-    rollers = [_build_roller_set(of, row, structure, first) for (of, row), first in zip(rows, first_slices, strict=False)]
+    first_rollers = accumulate((row.count for _, row in rows), initial=0)
+    rollers = [_build_roller_set(of, row, structure, first) for (of, row), first in zip(rows, first_rollers, strict=False)]
     arm = max(
         [scene.track.pitch_radius for _, scene in parts]
         + [tapered_bearing_of_row(row).pitch_diameter / 2.0 for _, row in rows]
@@ -233,13 +207,7 @@ def build_assembly_arrays(
 
 
 def _build_ball_set(
-    rolling: RollingSet,
-    scene: Scene,
-    structure: Structure,
-    used: NDArray[np.bool_],
-    place: Placed,
-    first_ball: int,
-    arms: Array | None = None,
+    rolling: RollingSet, scene: Scene, structure: Structure, place: Placed, first_ball: int, arms: Array | None = None
 ) -> BallSet:
     """Return the balls of one ball nut or bearing row, with the motions of their flanks by shaft nodes and housing.
 
@@ -251,8 +219,6 @@ def _build_ball_set(
         Dimensions of the ball nut or bearing.
     structure
         Shaft, housings and springs.
-    used
-        Which of the four flanks (screw left, screw right, nut left, nut right) get contacts ``(4,)``.
     place
         Positions of the balls, and dimensions with their random manufacturing errors.
     first_ball
@@ -260,9 +226,8 @@ def _build_ball_set(
     arms
         Shifts of the flanks' centres of curvature by profile errors ``(N, 4, 2)`` [m]; None: zero.
     """
-    layout, drawn = place
+    (layout, drawn), used = place, USE[rolling.thrust]
     parts = (scene, drawn, layout, arms)
-    contacts, closure = statics_problem.nominal_contacts(scene, drawn, used)
     n, nodes, N = structure.nodes.size, structure.nodes, layout.z.size
     stations = contact_force_positions(scene, layout)
     nodal, built = scene.ingredients.partition == "nodal", int(np.argmax(used[:2]))
@@ -288,8 +253,10 @@ def _build_ball_set(
     inner = pad_coefficients_to_two_bodies(node, np.stack(on_screw, axis=1), width, r)
     pieces = inner, pad_coefficients_to_two_bodies(np.full((N, 2), outer), on_nut, width, r)
     row, B = (np.concatenate(x, axis=1) for x in zip(*pieces, strict=True))
-    shaft = nodes, structure.sections[0], structure.fixed[:n], structure.prescribed[:n], structure.load[:n], node, B[:, :2]
-    problem = statics_problem.Problem(scene, layout, drawn, *shaft, contacts, closure, used, 0)
+    of_bodies = structure.fixed[:n], structure.prescribed[:n], structure.load[:n]
+    shaft = nodes, *of_bodies, node, B[:, :2], structure.sections[0], scene.track.pitch_radius, scene.nut.position
+    balls = statics_problem.nominal_balls(scene, drawn, used)
+    problem = statics_problem.Problem(*shaft, scene=scene, layout=layout, drawn=drawn, balls=balls, used_flanks=used)
     return BallSet(rolling, problem, slice(first_ball, first_ball + N), outer, row, B, v0)
 
 
@@ -353,7 +320,7 @@ def replace_lever_arms(system: AssemblyArrays, arms: Sequence[Array]) -> Assembl
     balls = []
     for b, arm in zip(system.ball_sets, arms, strict=True):
         p, first = b.problem, b.ball_indices.start
-        longer = _build_ball_set(b.of, p.scene, system.structure, p.used_flanks, (p.layout, p.drawn), first, arm)
+        longer = _build_ball_set(b.of, p.scene, system.structure, (p.layout, p.drawn), first, arm)
         longer.problem.C[:] = p.C
         balls.append(longer)
     every, motions = _all_balls(balls)
@@ -366,44 +333,17 @@ def _all_balls(sets: list[BallSet]) -> tuple[Balls, Array]:
     The contacts of each problem in ``sets`` become views of the joint arrays, so that both see an update of the Hertz
     constants. The polynomials of the flanks' profile errors are padded with zeros to the same degree.
     """
-    problems = [b.problem for b in sets]
-    degree = max((p.drawn.profile_coefficients.shape[1] for p in problems), default=0)
-    contacts = statics_problem.NominalContacts.concatenated([p.contacts for p in problems])
-    N = len(contacts.C)
-    interference, radius, arcs, motions = np.zeros((N, 2)), np.zeros(N), np.zeros((N, 4)), np.zeros((N, 4, 2))
-    profile, zero = np.zeros((N, 4, degree)), np.zeros((1, N, 4))
+    balls = Balls.joined([b.problem.balls for b in sets])
     for b in sets:
-        p, own = b.problem, b.ball_indices
-        b.problem = replace(p, contacts=contacts[own])
-        interference[own], radius[own], arcs[own], motions[own] = (
-            p.interference,
-            p.drawn.ball_radii,
-            p.drawn.groove_radii,
-            b.v0,
-        )
-        profile[own, :, : p.drawn.profile_coefficients.shape[1]] = p.drawn.profile_coefficients
-    balls = Balls(
-        to_ball=contacts.to_ball[None],
-        distance=contacts.distance[None],
-        approach=contacts.approach[None],
-        C=contacts.C[None],
-        used=contacts.used[None],
-        interference=interference[None],
-        e=zero,
-        h=zero,
-        body=zero,
-        radius=radius[None],
-        groove_radius=arcs[None],
-        profile=profile[None],
-    )
-    return balls, motions
+        b.problem = replace(b.problem, balls=replace(b.problem.balls, C=balls.C[:, b.ball_indices]))
+    return balls, np.concatenate([np.zeros((0, 4, 2)), *(b.v0 for b in sets)])
 
 
-def _build_roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first_slice: int) -> RollerSet:
-    """Return the roller slices of one tapered roller bearing as arrays.
+def _build_roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first_roller: int) -> RollerSet:
+    """Return the rollers of one tapered roller bearing as arrays.
 
     ``rolling``: the bearing with its position and housing; ``row``: dimensions of its rollers and raceways;
-    ``first_slice``: index of its first slice among the slices of all bearings. The slices lie along the raceway of the
+    ``first_roller``: index of its first roller among those of all bearings. The slices lie along the raceway of the
     cup (outer ring). Cone (inner ring) and cup approach each other along the normal of the cup's raceway. The forces of
     cone raceway and rib on a roller add up to a force on the line of action of the cup's force (`lowfi.rollers`).
     ``structure``: shaft and housings, whose motions move cone and cup.
@@ -413,25 +353,26 @@ def _build_roller_set(rolling: RollingSet, row: RollerRow, structure: Structure,
     outer = -1 if rolling.housing is None else structure.housing_numbers[rolling.housing]
     sign = 1.0 if rolling.thrust == "+z" else -1.0
     sin, cos = np.sin(row.cup_angle), np.cos(row.cup_angle)
-    place = slice_middles(row.length, row.slices)
     azimuths = row.phase + 2.0 * np.pi * np.arange(row.count) / row.count
     c, s, one_each = np.cos(azimuths), np.sin(azimuths), np.ones(row.count)
-    normal = np.stack([cos * c, cos * s, sign * sin * one_each], axis=1)[:, None, :]
-    along = np.stack([sin * c, sin * s, -sign * cos * one_each], axis=1)[:, None, :]
-    mean = bearing.apex_distance * sin * np.stack([c, s, 0.0 * c], axis=1)[:, None, :]
-    point = mean + place[None, :, None] * along + np.array([0.0, 0.0, rolling.position])
-    normal = np.broadcast_to(normal, point.shape)
+    normal = np.stack([cos * c, cos * s, sign * sin * one_each], axis=1)
+    along = np.stack([sin * c, sin * s, -sign * cos * one_each], axis=1)
+    middle = bearing.apex_distance * sin * np.stack([c, s, 0.0 * c], axis=1) + np.array([0.0, 0.0, rolling.position])
     at_cup = float(structure.housing_positions[outer - n]) if outer >= 0 else rolling.position
-    B = np.empty((row.count, row.slices, 2, 6))
-    for end, (at, direction) in enumerate(((float(structure.nodes[inner]), 1.0), (at_cup, -1.0))):
-        arm = point - np.array([0.0, 0.0, at])
-        B[:, :, end, :3], B[:, :, end, 3:] = direction * normal, direction * np.cross(arm, normal)
-    law, count = bearing.approach_law(), row.count * row.slices
-    bodies = np.tile([inner, outer], (count, 1)).astype(np.int64)
-    gap = np.tile(place**2 / row.crown, row.count) + sign * sin * rolling.offset
-    width, g, s = (np.full(count, float(x)) for x in (row.length / row.slices, law.g, law.s))
-    arrays = RollerSlices(bodies, B.reshape(count, 2, 6), gap, width, g, s)
-    return RollerSet(rolling, row, slice(first_slice, first_slice + count), azimuths, arrays)
+    ends = middle + row.length * np.array([-0.5, 0.5])[:, None, None] * along
+    B = np.empty((row.count, 2, 2, 6))
+    for ring, at in enumerate((float(structure.nodes[inner]), at_cup)):
+        turned = np.cross(ends - [0.0, 0.0, at], normal)
+        low, high = np.concatenate([np.broadcast_to(normal, turned.shape), turned], axis=2)
+        B[:, ring] = np.stack([0.5 * (low + high), high - low], axis=1)
+    law, place = bearing.approach_law(), slice_middles(row.length, row.slices)
+    gaps = place**2 / row.crown + sign * sin * rolling.offset
+    slices = (
+        np.tile(x, (1, row.count, 1)) for x in (place / row.length, np.full(row.slices, row.length / row.slices), gaps)
+    )
+    rollers = Rollers(*slices, *(np.full((1, row.count), float(x)) for x in (law.g, law.s)))
+    own = slice(first_roller, first_roller + row.count)
+    return RollerSet(rolling, row, own, azimuths, (inner, outer), B, rollers)
 
 
 def mean_pair_constant(ball_set: BallSet) -> float:
@@ -451,7 +392,7 @@ def preload_approach(ball_set: BallSet) -> float:
     """
     problem, offset = ball_set.problem, ball_set.of.offset
     shift = {"+z": -offset, "-z": offset}.get(ball_set.of.thrust, abs(offset))
-    closed = float(problem.interference.max(initial=0.0))
+    closed = float(problem.balls.interference.max(initial=0.0))
     squeezed = closed if closed > statics_problem.round_off_approach(problem) else 0.0
     return max(squeezed, shift * float(np.sin(problem.scene.track.contact_angle)))
 
@@ -463,7 +404,7 @@ def mean_load_per_rolling_element(system: AssemblyArrays) -> float:
     """
     bodies: tuple[Load | Housing, ...] = (*system.assembly.loads, *system.assembly.housings)
     applied = sum(np.abs(x.force).sum() + np.abs(x.moment).sum() / system.moment_arm for x in bodies)
-    return float(applied) / max(1, system.ball_count + sum(r.row.count for r in system.roller_sets))
+    return float(applied) / max(1, system.ball_count + system.roller_count)
 
 
 def typical_contact_forces(system: AssemblyArrays, known: Sequence[float] | None = None) -> list[float]:
@@ -508,8 +449,9 @@ def assembly_residual_scale(system: AssemblyArrays, known: Sequence[float] | Non
     for b in system.ball_sets:
         stiffness = max(stiffness, float(np.cbrt(force) / mean_pair_constant(b)) if force > 0.0 else 1.0)
     for r in system.roller_sets:
-        law, length = r.slices, r.row.length
-        stiffness = max(stiffness, length / r.row.slices / float(law.g[0] - law.s[0] * np.log(max(force, 1.0) / length)))
+        law, length = r.rollers, r.row.length
+        slope = float(law.g[0, 0] - law.s[0, 0] * np.log(max(force, 1.0) / length))
+        stiffness = max(stiffness, length / r.row.slices / slope)
     tightest = max(squeezed, default=0.0)
     floor = max(float(np.abs(load[:, :3]).max()), float(np.abs(load[:, 3:]).max()) / system.moment_arm, tightest)
     none = 1e-14 * force
@@ -519,51 +461,18 @@ def assembly_residual_scale(system: AssemblyArrays, known: Sequence[float] | Non
     return ResidualScale(force, stiffness, floor, none)
 
 
-@dataclass(frozen=True)
-class RollerElements:
-    """The M rollers of all roller bearings, each as one element between rigid cone (inner ring) and cup (outer ring)."""
+def all_rollers(sets: list[RollerSet]) -> Rollers | None:
+    """Return the rollers of all roller bearings as one record; those with fewer slices than others get slices of no width.
 
-    #: Number of the shaft node on which each roller's cone sits ``(M,)``.
-    cone_nodes: NDArray[np.int64]
-    #: Number of the housing of each roller's cup among the bodies (shaft nodes, then moving housings) ``(M,)``; -1 if it is
-    #: fixed.
-    cup_body_rows: NDArray[np.int64]
-    #: Motions of cone and cup at each roller per unit motion of shaft node or housing ``(M, 2, 2, 6)``. The axes are:
-    #: roller; cone or cup; displacement along the contact normal at the roller's middle, or its slope along the roller
-    #: times the roller's length; the six motions of the shaft node (cone) or housing (cup).
-    B: Array
-    #: Positions, widths and gaps of the rollers' slices, and their force law.
-    rollers: Rollers
-
-    @property
-    def count(self) -> int:
-        """Return the number M of rollers of all roller bearings."""
-        return self.cone_nodes.size
-
-
-def roller_elements(sets: list[RollerSet]) -> RollerElements:
-    """Return the rollers of all roller bearings as elements between their rigid rings, one bearing after the other.
-
-    ``sets``: the roller bearings.
+    ``sets``: the roller bearings; without any, None is returned.
     """
-    M, K = sum(r.row.count for r in sets), max((r.row.slices for r in sets), default=0)
-    node, outer = np.zeros(M, dtype=np.int64), np.full(M, -1, dtype=np.int64)
-    B, law = np.zeros((M, 2, 2, 6)), np.zeros((2, M))
-    place, width, drop = np.zeros((3, M, K))
-    first = 0
-    for r in sets:
-        a, n, count = r.slices, r.row.slices, r.row.count
-        mine = slice(first, first + count)
-        first = mine.stop
-        x = slice_middles(r.row.length, n) / r.row.length
-        rows = a.B.reshape(count, n, 2, 6) * np.array([1.0, -1.0])[:, None]  # lin: approach; here: motion
-        base = np.linalg.pinv(np.column_stack([np.ones(n), x])) if n > 1 else np.array([[1.0], [0.0]])
-        B[mine] = np.einsum("ak,ikej->ieaj", base, rows)
-        place[mine, :n] = x
-        width[mine, :n], drop[mine, :n] = a.width.reshape(-1, n), a.gap.reshape(-1, n)
-        law[0, mine], law[1, mine] = a.g[0], a.s[0]
-        node[mine], outer[mine] = a.ring_bodies[0]
-    return RollerElements(node, outer, B, Rollers(*(x[None] for x in (place, width, drop, *law))))
+    if not sets:
+        return None
+    most, each = max(r.row.slices for r in sets), []
+    for of in (r.rollers for r in sets):
+        more = ((0, 0), (0, 0), (0, most - of.widths.shape[2]))
+        each.append((*(np.pad(x, more) for x in (of.positions, of.widths, of.gaps)), of.g, of.s))
+    return Rollers(*(np.concatenate(x, axis=1) for x in zip(*each, strict=True)))
 
 
 def location_of_reported_stiffness(assembly: Assembly) -> float | str:
@@ -589,13 +498,3 @@ def body_of_reported_stiffness(system: AssemblyArrays) -> int:
     """Return the number of the shaft node or housing whose stiffness is reported; -1 for a fixed housing."""
     at, s = location_of_reported_stiffness(system.assembly), system.structure
     return s.housing_numbers[at] if isinstance(at, str) else int(np.abs(s.nodes - at).argmin())
-
-
-def describe_left_out_flanks(system: AssemblyArrays) -> tuple[str, ...]:
-    """Return, for each nut or bearing with flanks that the equations leave out, a sentence that names these flanks."""
-    notes = []
-    for b in system.ball_sets:
-        idle = [SIDES[k] for k in np.flatnonzero(USE[b.of.thrust] & ~b.problem.used_flanks)]
-        if idle:
-            notes.append(f"{b.of.name}: flanks {' and '.join(idle)} left out: load or offset lifts them off every ball")
-    return tuple(notes)

@@ -16,17 +16,32 @@ from rollbench.meshes.section import screw_section, tube_section
 SCENE = catalogue.scene("lin-case1")
 GEOMETRY = parts.reduce_to_compliance_geometry(SCENE)
 MAP, STEEL = GrooveMap.from_scene(SCENE), SCENE.screw.material
-LAND, ROOT = 16e-3, float(tube.flank_profile_points(MAP, 16e-3, True, 17)[0][0])
+LAND = 16e-3
 KINDS = {"axial": "EA", "torsion": "GJ", "bending": "EI"}
+
+
+def groove(m=MAP, land=LAND, bore=0.0):
+    """Half a groove of a screw."""
+    return tube.HalfGroove(m, land, bore, True, np.pi * abs(m.rg) / m.starts, STEEL)
+
+
+ROOT = float(groove().profile_points(17)[0][0])
 
 
 def constants(grid):
     body = BodyOfRevolution(grid, STEEL)
-    return np.array([tube.half_lead_stiffness(body, kind) * float(grid.z[-1, 0]) for kind in KINDS])
+    return np.array([tube.solve_half_lead_under_unit_motion(body, kind)[0] * float(grid.z[-1, 0]) for kind in KINDS])
 
 
-def of_screw(m=MAP, land=LAND, bore=0.0):
-    return tube.grooved_beam_section(m, land, bore, True, STEEL)
+def of_screw(**dimensions):
+    return tube.grooved_beam_section(groove(**dimensions))
+
+
+def equivalent_radii(section, plain, sign):
+    """Radii of the plain cylinders with a section's EA, EI and GJ; ``sign``: 1 of a shaft, -1 of a nut's bore."""
+    young, shear = STEEL.youngs_modulus, STEEL.shear_modulus
+    added = (section.EA / young, 4.0 * section.EI / young, 2.0 * section.GJ / shear)
+    return [(plain**power + sign * x / np.pi) ** (1.0 / power) for power, x in zip((2, 4, 4), added, strict=True)]
 
 
 def of_section(section):
@@ -43,8 +58,7 @@ def test_plain_cell_is_exact(bore):
 def test_refinement(screw):
     flank = parts.half_groove_of_body(GEOMETRY, screw)
     meshes = [(4, 3, 4), tube.MESH, (16, 10, 16)]
-    body = flank.groove_map, flank.land_radius, flank.plain_radius, screw
-    found = [constants(tube.half_lead_cell_grid(*body, mesh)) for mesh in meshes]
+    found = [constants(flank.finite_element_grid(mesh)) for mesh in meshes]
     np.testing.assert_allclose(found[0], found[2], rtol=5e-3)
     np.testing.assert_allclose(found[1], found[2], rtol=4e-4)
     assert np.all(found[0] >= found[1])
@@ -56,25 +70,26 @@ def test_refinement(screw):
 def between(section, soft, stiff):
     """Assert that a section is stiffer than one tube (its diameters) and softer than another."""
     low, high = (of_section(tube_section(*diameters, STEEL)) for diameters in (soft, stiff))
-    assert np.all(low < of_section(section.section))
-    assert np.all(of_section(section.section) < high)
+    assert np.all(low < of_section(section))
+    assert np.all(of_section(section) < high)
 
 
 def test_screw_and_nut_between_root_and_land():
     section = of_screw()
     between(section, (2 * ROOT, 0.0), (2 * LAND, 0.0))
-    assert ROOT < section.equivalent_radii[0] < LAND
+    radii = equivalent_radii(section, 0.0, 1.0)
+    assert ROOT < radii[0] < LAND
     volume = equivalent_cylinder_radius(parts.half_groove_of_body(GEOMETRY, True), 2)
-    assert all(ROOT < r < volume for r in section.equivalent_radii)
-    assert of_section(section.section)[0] < screw_section(SCENE).EA
-    for name, radius in zip(("EA", "EI", "GJ"), section.equivalent_radii, strict=True):
+    assert all(ROOT < r < volume for r in radii)
+    assert of_section(section)[0] < screw_section(SCENE).EA
+    for name, radius in zip(("EA", "EI", "GJ"), radii, strict=True):
         plain = getattr(tube_section(2 * radius, 0.0, STEEL), name)
-        assert plain == pytest.approx(getattr(section.section, name), rel=1e-12)
+        assert plain == pytest.approx(getattr(section, name), rel=1e-12)
     flank = parts.half_groove_of_body(GEOMETRY, False)
-    section = tube.grooved_beam_section(flank.groove_map, flank.land_radius, flank.plain_radius, False, STEEL)
-    root = float(tube.flank_profile_points(flank.groove_map, flank.land_radius, False, 17)[0][0])
+    section = tube.grooved_beam_section(flank)
+    root = float(flank.profile_points(17)[0][0])
     between(section, (2 * flank.plain_radius, 2 * root), (2 * flank.plain_radius, 2 * flank.land_radius))
-    assert all(flank.land_radius < r < root for r in section.equivalent_radii)
+    assert all(flank.land_radius < r < root for r in equivalent_radii(section, flank.plain_radius, -1.0))
 
 
 def test_nothing_is_left_out_of_a_shallow_groove():
@@ -82,7 +97,7 @@ def test_nothing_is_left_out_of_a_shallow_groove():
     gaps = []
     for depth in (0.4e-3, 0.1e-3):
         land = ROOT + depth
-        gaps.append(1.0 - of_section(of_screw(land=land).section) / of_section(tube_section(2 * land, 0.0, STEEL)))
+        gaps.append(1.0 - of_section(of_screw(land=land)) / of_section(tube_section(2 * land, 0.0, STEEL)))
     assert np.all(gaps[0] < 0.02)
     assert np.all(gaps[1] > 0.0)
     assert np.all(gaps[1] < 0.3 * gaps[0])
@@ -92,7 +107,7 @@ def test_the_helix_changes_half_a_per_cent():
     """The ring groove in place of the helix, against a section on its helix by other elements."""
     stiffness, EI = stiffness_of_grooved_shaft(MAP, LAND, 0.0, STEEL)
     yielding = np.linalg.inv(stiffness)
-    section = of_screw().section
+    section = of_screw()
     wanted = np.array([1.0 / yielding[0, 0], EI, 1.0 / yielding[1, 1]])
     np.testing.assert_allclose([section.EA, section.EI, section.GJ], wanted, rtol=0.01)
     assert wanted[2] > section.GJ

@@ -16,7 +16,7 @@ from rollbench.lowfi.compliance import parts as compliance_parts
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, half_space_compliance
 from rollbench.lowfi.compliance.bodies import clear_compliance_cache
 from rollbench.lowfi.compliance.fourier import BodyOfRevolution, QuadrilateralGrid, solve_harmonic_displacements
-from rollbench.lowfi.compliance.groove import sampled_harmonics, symmetric_and_antisymmetric_loads
+from rollbench.lowfi.compliance.groove import forces_of_patch, sampled_harmonics
 from rollbench.meshes.helix import ball_layout
 
 pytestmark = pytest.mark.xdist_group("near face")
@@ -114,7 +114,7 @@ def test_short_lands_are_softer():
     parts, middle = scene("unseen-40x10"), 28
     (geometry, flank, _), layout = nut_of(parts), ball_layout(parts)
     width, grid = NARROW * flank.groove_map.ball, flank.finite_element_grid()
-    cell = patch_self_motion(flank, grid, symmetric_and_antisymmetric_loads(flank, grid, width), width)
+    cell = patch_self_motion(flank, grid, forces_of_patch(flank, grid, width), width)
     beam = between.nut_beam_compliance(parts, layout).reshape(2, -1, 2, 2, layout.z.size, 2)[1, middle, :, 1, middle]
     normal = normals_of(flank)[1]
     softer = between.groove_and_face_compliance_of_body(geometry, False, REFINED).self_compliance

@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 from tests.helpers import FLANK_ERRORS, four_flank_problem, small_screw
 
 from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice
-from rollbench.lowfi.statics.rolling_elements import ball_equilibrium, balls_of_problem
+from rollbench.lowfi.statics.rolling_elements import ball_equilibrium
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, BallErrors, Errors, SideErrors
@@ -30,7 +30,7 @@ class Ball:
         self.scene = replace(scene, errors=replace(PROFILES[profile], balls=BallErrors(oversize=oversize)))
         self.drawn = draw_geometry_with_errors(self.scene, ball_layout(self.scene))
         self.C = hertz_constants_by_scene_choice(self.scene, self.drawn)
-        self.balls, self.C = balls_of_problem(four_flank_problem(self.scene)).one_by_one().take(np.array([0])), self.C[0]
+        self.balls, self.C = four_flank_problem(self.scene).balls.one_by_one().take(np.array([0])), self.C[0]
         self.radius = self.scene.balls.radius + oversize
 
     def settle(self, shift, taking_part=(0, 1, 2, 3), floor=1e-9):

@@ -97,7 +97,7 @@ def test_loads_and_forces_move_one_another_alike() -> None:
     forces, loads = rng.normal(size=4 * problem.layout.z.size), rng.normal(size=(6 * problem.nodes.size, 1))
     by_loads, _ = squeeze.motions_by_loads(loads, shaft.motions_under_loads(loads))
     nodes = shaft.motions_under_loads(squeeze.nodal_loads_of_jumps(forces)[:, None])[:, 0]
-    nodes += squeeze.inner_jumps.nodal_motions_by_flank_forces(forces)
+    nodes += squeeze.nodal_motions_by_flank_forces(forces)
     nodes[np.repeat(problem.fixed.any(axis=1), 6)] = 0.0
     assert by_loads[:, 0] @ forces == pytest.approx(float(loads[:, 0] @ nodes), rel=1e-9)
 

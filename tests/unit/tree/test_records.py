@@ -24,8 +24,6 @@ EXPLAINED = {
     ("GeometryWithErrors", "GeometriesWithErrors"): "one specimen, and arrays of many specimens without derivatives",
     ("ForceState", "Step"): "a state of the iteration, and a change of it without energy",
     ("Contacts", "NormalForces"): "elements of statics have a tangential stiffness, Hertz's law of one contact a distance",
-    ("NominalContacts", "PlacedBalls"): "contacts of a screw without errors, and where balls lie with errors",
-    ("UnresistedMotions", "UnrestrainedMotions"): "pins are coordinates of one screw, and of the bodies of a shaft",
     ("LoadedBalls", "BodyMotionProblem"): "the equations as the source prints them, and those of least dissipation",
     ("FrictionCase", "BallsUnderLoad"): "what a user asks for with its static result, and the contacts that follow from it",
     ("BallsUnderLoad", "SceneInMotion"): "balls at known contact loads, and a screw over time, whose loads follow",
