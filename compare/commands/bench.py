@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from statistics import median
@@ -13,7 +13,7 @@ from cyclopts import Parameter
 from rollbench.compare.commands.terminal import Flag, Json, app
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.running import show_progress_message
-from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table
+from rollbench.compare.text.printing import CommandOutput, TextTable, format_cell, print_command_output
 
 if TYPE_CHECKING:
     from rollbench.compare.studies.run_times import RunTimeRow
@@ -83,7 +83,7 @@ def measure_release(store: Path) -> CommandOutput:
         further += f"{median(s.further_case_seconds):.3g} s"
         name = f"{s.name} on {s.first_case_seconds.size} random screws"
         rows.append(RunTimeRow(name, float(median(s.first_case_seconds)), error_percent=error, note=further))
-    return CommandOutput([asdict(row) for row in rows], _run_time_tables(rows))
+    return CommandOutput([asdict(row) for row in rows], [_run_time_table(rows)])
 
 
 def measure_scenes(names: Sequence[str], *, long: bool) -> CommandOutput:
@@ -113,12 +113,12 @@ def measure_scenes(names: Sequence[str], *, long: bool) -> CommandOutput:
                 note = f"new process, empty caches{warm}; RMS error {p.rms:.2f} %"
                 rows.append(RunTimeRow(f"{name}: {p.label}", p.cold, None, p.unknowns, p.memory, p.error, note))
     rows.append(time_ensemble())
-    return CommandOutput([asdict(row) for row in rows], _run_time_tables(rows))
+    return CommandOutput([asdict(row) for row in rows], [_run_time_table(rows)])
 
 
-def _run_time_tables(jobs: Sequence[RunTimeRow]) -> Iterator[object]:
-    """Yield the table of all measured computing times for the terminal."""
+def _run_time_table(jobs: Sequence[RunTimeRow]) -> TextTable:
+    """Return the table of all measured computing times for the terminal."""
     forms = {"seconds": ".3g", "error_percent": ".2f", "ratio": ".3g", "unknowns": "d", "peak_MB": ".0f"}
-    rows = ([job.job, *(format_cell(getattr(job, name), form) for name, form in forms.items()), job.note] for job in jobs)
+    rows = [[job.job, *(format_cell(getattr(job, name), form) for name, form in forms.items()), job.note] for job in jobs]
     headings = ("timed", "seconds", "load error %", "ratio of times", "unknowns", "peak memory MB", "what is included")
-    yield ruled_table("computing times on this computer", headings, rows, ("timed", "what is included"))
+    return TextTable(headings, rows, "computing times on this computer")

@@ -12,11 +12,9 @@ from cyclopts import Parameter
 from rollbench.compare.commands import terminal
 from rollbench.compare.errors import InputError
 from rollbench.compare.running import show_progress_message
-from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table, text_width
+from rollbench.compare.text.printing import CommandOutput, TextTable, format_cell, print_command_output, text_width
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from rollbench.compare.gate.gate import GateCheck
     from rollbench.compare.gate.publish import Outcome
     from rollbench.compare.gate.user import GateRequest
@@ -157,12 +155,12 @@ def report_shipped_data_checks(max_error: float | None, files: VerdictFiles, *, 
     return CommandOutput(data, [line, *above, *table, *more, *lines, *written], 1 if bad else 0)
 
 
-def shipped_checks_table(rows: Sequence[GateCheck]) -> Table:
+def shipped_checks_table(rows: Sequence[GateCheck]) -> TextTable:
     """Return the table of the checks of shipped data for the terminal, failed checks first.
 
     Values have enough digits to show whether they exceed their limits.
     """
-    texts = (
+    texts = [
         (
             row.judgement,
             row.subject + (f" ({row.note})" if row.note and not row.passed else ""),
@@ -171,9 +169,9 @@ def shipped_checks_table(rows: Sequence[GateCheck]) -> Table:
             *(format_cell(x, ".3g") for x in (row.error, row.limit)),
         )
         for row in sorted(rows, key=lambda row: row.passed)
-    )
+    ]
     headings = ("", "check", "kind", "value", "reference", "error %", "limit %")
-    return ruled_table("checks of shipped data", headings, texts, headings[:3])
+    return TextTable(headings, texts, "checks of shipped data")
 
 
 @terminal.app.command

@@ -119,8 +119,8 @@ def compare_and_report(
             warned = []
             headings, answers = model_and_reference_rows(whole)
             yield from (format_table_as_text(answers, printing.text_width(), headings), "")
-            cells = map(_model_table_cells, (whole.reference_loads, *whole.models))
-            yield from (printing.plain_table(MODEL_COLUMNS, cells, MODEL_COLUMNS[:1]), "")
+            cells = [*map(_model_table_cells, (whole.reference_loads, *whole.models))]
+            yield from (printing.TextTable(MODEL_COLUMNS, cells), "")
             if verbose:
                 yield from (whole.uncertainty.words, f"rule of rollbench check: {RULE}")
                 if whole.unloaded_position:
@@ -403,7 +403,7 @@ ROLLING_COLUMNS = (
 )
 
 
-def rolling_comparison_table(name: str, rows: Sequence[RollingComparisonRow]) -> Any:
+def rolling_comparison_table(name: str, rows: Sequence[RollingComparisonRow]) -> printing.TextTable:
     """Return the table that compares the low-order model of rolling contact with the 3D model and with printed values.
 
     ``name``: name of the scene. ``rows``: for each quantity, its values by all models.
@@ -412,10 +412,9 @@ def rolling_comparison_table(name: str, rows: Sequence[RollingComparisonRow]) ->
 
     state = f" ({rows[0].load_state} load state{UNSTATED})" if rows[0].load_state else ""
     title = f"{name}{state}: low-order model against the 3D model of rolling"
-    cells = (
+    cells = [
         [f"{r.quantity} [{r.unit}]", *(printing.format_cell(x[key], form) for key, _, form in ROLLING_COLUMNS)]
         for r, x in ((r, r.as_json()) for r in rows)
-    )
-    table = printing.ruled_table(title, ["quantity", *(heading for _, heading, _ in ROLLING_COLUMNS)], cells, ["quantity"])
-    table.caption = f"time of the low-order model: {1e3 * rows[0].low_seconds:.2f} ms"
-    return table
+    ]
+    headings = ["quantity", *(heading for _, heading, _ in ROLLING_COLUMNS)]
+    return printing.TextTable(headings, cells, title, f"time of the low-order model: {1e3 * rows[0].low_seconds:.2f} ms")

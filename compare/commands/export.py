@@ -17,7 +17,7 @@ from cyclopts import Parameter
 from rollbench.compare import running
 from rollbench.compare.commands.terminal import Flag, Json, Word, app, cache_folder
 from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
-from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table
+from rollbench.compare.text.printing import CommandOutput, TextTable, format_cell, print_command_output
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.estimate import Reference
@@ -407,7 +407,7 @@ def _find_or_compute_reference(scene: Scene, store: Path, engine: ComputingSetti
     return found
 
 
-def _calculix_loads_table(scene: Scene, rows: Sequence[Row]) -> Any:
+def _calculix_loads_table(scene: Scene, rows: Sequence[Row]) -> TextTable:
     """Return the table that compares the loads of every contact by CalculiX and by the 3D reference.
 
     ``rows``: for each contact, the loads with their errors and uncertainties.
@@ -416,10 +416,10 @@ def _calculix_loads_table(scene: Scene, rows: Sequence[Row]) -> Any:
     from rollbench.reports.content import table_column
 
     columns = {key: table_column(name) for name, key in results.COLUMNS.items()}
-    heads = {key: "\n".join((*c.label.split(", "), *([c.unit] if c.unit else ()))) for key, c in columns.items()}
-    texts = ([format_cell(row[key], c.format) for key, c in columns.items()] for row in rows)
+    heads = ["\n".join((*c.label.split(", "), *([c.unit] if c.unit else ()))) for c in columns.values()]
+    texts = [[format_cell(row[key], c.format) for key, c in columns.items()] for row in rows]
     title = f"{scene.name}: contact loads, those by CalculiX extrapolated to zero cell size (--json lists every mesh)"
-    return ruled_table(title, heads.values(), texts, [heads["side"]])
+    return TextTable(heads, texts, title)
 
 
 @app.command

@@ -12,8 +12,6 @@ from rollbench.compare.errors import one_line
 from rollbench.compare.text.printing import CommandOutput, print_command_output, table_of_records, text_width
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
-
     from rollbench.compare.results.friction import Friction
     from rollbench.compare.studies.friction.whole import FrictionChoices
 
@@ -107,7 +105,7 @@ def solve_and_report_friction(
     return CommandOutput(found.to_dict(), parts, code, wrap_always=True)
 
 
-def friction_terminal_parts(found: Friction, *, balls: bool = False, details: bool = False) -> list[RenderableType]:
+def friction_terminal_parts(found: Friction, *, balls: bool = False, details: bool = False) -> list[Any]:
     """Return the texts and tables in which the terminal shows the friction in a scene.
 
     ``found``: the computed friction. ``balls``: also the table of all balls. ``details``: also explanations, force
@@ -125,7 +123,7 @@ def friction_terminal_parts(found: Friction, *, balls: bool = False, details: bo
     if sentences := onset_sentences(found):
         parts += [*sentences, ""]
     for title, body in friction_tables(found, balls=balls):
-        parts += [table_of_records(body, ".4g", title), ""]
+        parts += [table_of_records(body, title=title), ""]
     if not balls and has_table_of_balls(found):
         parts.append("--balls also shows motion, loads and losses of every ball")
     warnings = [w for w in found.warnings if w.brief != w]  # without those that are printed above

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.commands.terminal import Flag, Json, Names, Word, app
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table
+from rollbench.compare.text.printing import CommandOutput, TextTable, format_cell, print_command_output, table_of_records
 
 if TYPE_CHECKING:
     from rollbench.compare.evidence import PrintedEntryComparison
@@ -122,15 +122,12 @@ def printed_entries_table(data: Mapping[str, Any]) -> list[Any]:
 
     ``data``: `printed_entries_json`.
     """
-    from rich.table import Table
-
     from rollbench.compare.evidence import APART, reproduction_sentence
     from rollbench.compare.printed import VERDICTS
 
     headings = [name + (" (not judged)" if name in APART else "") for name in ("source", *VERDICTS, "judged", "all")]
-    counts = (map(str, row.values()) for row in data["counts"])
-    table = ruled_table("numbers printed in publications, by verdict", headings, counts)
-    entries = Table(title="numbers and claims printed in publications", title_justify="left")
+    counts = [[*map(str, row.values())] for row in data["counts"]]
+    table = TextTable(headings, counts, "numbers printed in publications, by verdict")
     values = {
         "follows from printed": "follows_from_printed",
         "with mistakes": "as_printed",
@@ -138,12 +135,13 @@ def printed_entries_table(data: Mapping[str, Any]) -> list[Any]:
         "3D reference": "reference_3d",
         "error %": "error_percent",
     }
-    for heading in ("table:key", "printed", *values, "verdict", "reason"):
-        entries.add_column(heading, overflow="fold")
+    rows = []
     for one in data["entries"]:
         numbers = (format_cell(one[k], ".5g") for k in values.values())
         printed = f"{one['printed']} {one['unit']}".rstrip()
-        entries.add_row(one["entry"], printed, *numbers, one["verdict"], one["reason"])
+        rows.append((one["entry"], printed, *numbers, one["verdict"], one["reason"]))
+    headings = ["table:key", "printed", *values, "verdict", "reason"]
+    entries = TextTable(headings, rows, "numbers and claims printed in publications")
     lines = [reproduction_sentence(row) for row in data["counts"]]
     left_out = f"{len(data['left_out'])} groups of numbers that are not compared"
     lines.append(f"--json also lists: {len(data['misprints'])} misprints, each with a command and a test; {left_out}")
@@ -156,19 +154,18 @@ def list_computations_of_printed_numbers(table: str = "") -> CommandOutput:
     ``table``: name of the printed table; empty: all. The list has the number as printed, the scenes from which its value is
     computed or the reason for none, the computing function and the test. Raises InputError for an unknown table.
     """
-    from rich.table import Table
-
     from rollbench.compare.evidence import computations_of_entries
 
     entries = list(computations_of_entries(table))
-    shown = Table(title="how the value for every printed number is computed and tested", title_justify="left")
-    for heading in ("table", "key", "printed", "class", "scenes, or reason for none", "computed by", "test"):
-        shown.add_column(heading, overflow="ellipsis" if heading == "printed" else "fold")
+    headings = ("table", "key", "printed", "class", "scenes, or reason for none", "computed by", "test")
+    rows = []
     for t in entries:
         scenes = ", ".join(t["scenes"]) or t["no_scene"]
         texts = (t[key] for key in ("table", "key", "printed", "cls"))
-        shown.add_row(*texts, scenes, t["computation"], t["test"].removeprefix("tests/sources/") or "–")
-    return CommandOutput(entries, [shown])
+        rows.append((*texts, scenes, t["computation"], t["test"].removeprefix("tests/sources/") or "–"))
+    return CommandOutput(
+        entries, [TextTable(headings, rows, "how the value for every printed number is computed and tested")]
+    )
 
 
 @app.command
@@ -191,7 +188,6 @@ def list_parts_in_catalogues(words: str) -> CommandOutput:
     The numbers are as printed, in common units. Raises InputError, with similar names, if there is none.
     """
     from rollbench.compare.scenes import makers
-    from rollbench.compare.text.printing import table_of_records
 
     found = makers.parts_named_like(words) or [makers.find_part(words, argument="makers")]
     rows = {"nuts": [p for p in found if p.is_nut], "bearings": [p for p in found if not p.is_nut]}

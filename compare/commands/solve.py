@@ -29,7 +29,7 @@ from rollbench.compare.commands.terminal import (
 )
 from rollbench.compare.errors import ArgumentError, one_line
 from rollbench.compare.running import show_progress_message
-from rollbench.compare.text.printing import CommandOutput, print_command_output, ruled_table
+from rollbench.compare.text.printing import CommandOutput, TextTable, print_command_output
 
 if TYPE_CHECKING:
     from rollbench.compare.results.data import Ensemble, Statistics
@@ -410,7 +410,7 @@ def solve_specimens(name: str, count: int, solve_options: SolveOptions) -> Comma
     return CommandOutput(found.to_dict(), shown, 0 if found.converged else 1)
 
 
-def _statistics_table(title: str, headings: Mapping[str, str], outputs: Mapping[str, Statistics | None]) -> Any:
+def _statistics_table(title: str, headings: Mapping[str, str], outputs: Mapping[str, Statistics | None]) -> TextTable:
     """Return the table with the mean, standard deviation and quantiles of each computed quantity over the specimens.
 
     ``headings``: name of each quantity in the table, by its key. ``outputs``: statistics of each quantity by its key; a
@@ -424,7 +424,7 @@ def _statistics_table(title: str, headings: Mapping[str, str], outputs: Mapping[
             first = (f"{v:.4g}" for v in (x.mean, x.standard_error, x.standard_deviation, x.smallest))
             table.append([headings[key], *first, *q, f"{x.largest:.4g}"])
     heads = ("", "mean", "standard error", "standard deviation", "smallest", "5 %", "median", "95 %", "99 %", "largest")
-    return ruled_table(title, heads, table, ("",))
+    return TextTable(heads, table, title)
 
 
 def ensemble_terminal_parts(found: Ensemble, *, balls: bool = False) -> list[Any]:
@@ -449,13 +449,13 @@ def ensemble_terminal_parts(found: Ensemble, *, balls: bool = False) -> list[Any
     return [*parts, _contact_load_quantiles_table(found) if balls else "range of the load of every ball: add --balls"]
 
 
-def _contact_load_quantiles_table(found: Ensemble) -> Any:
+def _contact_load_quantiles_table(found: Ensemble) -> TextTable:
     """Return the table with quantiles of every contact load over the specimens."""
     keys = [key for key in (found.contacts[0] if found.contacts else ()) if key != "quantile_0.5_N"]
-    rows = ([v if isinstance(v := row[key], str) else f"{v:.4g}" for key in keys] for row in found.contacts)
-    headings = (key.removesuffix("_N").replace("_", " ") for key in keys)
+    rows = [[v if isinstance(v := row[key], str) else f"{v:.4g}" for key in keys] for row in found.contacts]
+    headings = [key.removesuffix("_N").replace("_", " ") for key in keys]
     title = f"contact loads / N over the specimens (sampling error of the quantiles: {found.band_resolution:.2g} N)"
-    return ruled_table(title, headings, rows)
+    return TextTable(headings, rows, title)
 
 
 #: Number of the grid point, and name of the matrix, in DMIG cards of Nastran.

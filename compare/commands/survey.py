@@ -17,11 +17,9 @@ from typing import TYPE_CHECKING, Any
 from rollbench.compare.commands.terminal import Json, Names, ProgramOptions, app, model_or_program_name
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.running import show_progress_message
-from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table, table_of_records
+from rollbench.compare.text.printing import CommandOutput, TextTable, format_cell, print_command_output, table_of_records
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
-
     from rollbench.compare.studies.extremes import FormulationOutcome
     from rollbench.compare.studies.survey_models import Survey, SurveyRow
 
@@ -183,9 +181,7 @@ def solve_extreme_scenes() -> CommandOutput:
     return CommandOutput(data, _stability_tables(rows, bad), 1 if bad else 0)
 
 
-def _stability_tables(
-    rows: Sequence[FormulationOutcome], failures: Sequence[FormulationOutcome]
-) -> Iterator[RenderableType]:
+def _stability_tables(rows: Sequence[FormulationOutcome], failures: Sequence[FormulationOutcome]) -> Iterator[Any]:
     """Yield the table of the outcome of each solver on each extreme scene, counts by solver, and a line for each failure.
 
     ``rows``: outcomes of every solver on every scene. ``failures``: outcomes of rollbench's own solvers that did not
@@ -194,8 +190,8 @@ def _stability_tables(
     from rollbench.compare.studies.extremes import count_expected_outcomes, formulations, stability_table_rows
 
     words = ("case", *formulations())
-    lines = ([*(str(line[f]) for f in words), format_cell(line["residual"], ".1e")] for line in stability_table_rows(rows))
-    yield ruled_table("outcome of every solver on extreme scenes", (*words, "residual"), lines, words)
+    lines = [[*(str(line[f]) for f in words), format_cell(line["residual"], ".1e")] for line in stability_table_rows(rows)]
+    yield TextTable((*words, "residual"), lines, "outcome of every solver on extreme scenes")
     for name, (solved, tried, total) in count_expected_outcomes(rows).items():
         yield f"{name}: solved {solved} of {tried} attempted scenes; the table has {total}"
     for row in failures:

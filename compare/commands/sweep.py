@@ -12,7 +12,7 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands import terminal
 from rollbench.compare.running import show_progress_message
-from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table
+from rollbench.compare.text.printing import CommandOutput, TextTable, format_cell, print_command_output
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import ComputingSettings
@@ -97,15 +97,15 @@ def sweep_terminal_parts(found: Sweep) -> list[Any]:
     parts += [f"failed: {count} samples: {reason}" for reason, count in found.failures[:5]]
     names = ("mean", "standard_error", "standard_deviation", "smallest", "quantile_0.05", "quantile_0.95", "largest")
     stats = {name: {} if x is None else x.as_json() for name, x in found.outputs.items()}
-    rows = ([COLUMNS[name].heading, *(format_cell(x.get(n), ".5g") for n in names)] for name, x in stats.items())
-    parts.append(ruled_table("computed quantities", ["", *(n.replace("_", " ") for n in names)], rows))
+    rows = [[COLUMNS[name].heading, *(format_cell(x.get(n), ".5g") for n in names)] for name, x in stats.items()]
+    parts.append(TextTable(["", *(n.replace("_", " ") for n in names)], rows, "computed quantities"))
     parts.append(_parameter_effects_table(found))
-    worst = ([str(row["sample"]), f"{row[MAIN]:.5g}", row["at"], *map(str, row["values"])] for row in found.worst)
+    worst = [[str(row["sample"]), f"{row[MAIN]:.5g}", row["at"], *map(str, row["values"])] for row in found.worst]
     headings = ["sample", COLUMNS[MAIN].heading, "at contact", *(v.short_name for v in found.design.keys)]
-    return [*parts, ruled_table("samples with the largest loads", headings, worst)]
+    return [*parts, TextTable(headings, worst, "samples with the largest loads")]
 
 
-def _parameter_effects_table(found: Sweep) -> Any:
+def _parameter_effects_table(found: Sweep) -> TextTable:
     """Return the table of the effect of each parameter on the largest load, with first-order and total Sobol indices."""
     from rollbench.compare.studies.columns import MAIN
 
@@ -124,7 +124,7 @@ def _parameter_effects_table(found: Sweep) -> Any:
             cells += ["{:.3f} ({:.3f} to {:.3f})".format(*values) for values in ends]
         rows.append([vary.axis_label, *cells])
     headings = ("parameter", "smallest mean / N", "largest mean / N", "first-order index", "total index")
-    return ruled_table(title, headings, rows)
+    return TextTable(headings, rows, title)
 
 
 @terminal.app.command

@@ -8,6 +8,7 @@ import textwrap
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from rollbench.compare.quantities import name_and_unit_of_key, words_and_unit_of_key
@@ -59,15 +60,16 @@ def format_table_as_text(rows: Sequence[Sequence[str]], line_width: int, heading
     line_width
         Largest length of a line [characters].
     headings
-        Headings of the columns.
+        Headings of the columns, each of one line or several.
 
     Returns
     -------
     str
         The lines of the table, separated by newlines.
     """
-    kept = [k for k in range(len(headings)) if any(row[k] for row in rows)]
-    table = [[row[k] for k in kept] for row in (headings, *rows)]
+    kept = [k for k in range(len(headings)) if not rows or any(row[k] for row in rows)]
+    heads = zip_longest(*(heading.split("\n") for heading in headings), fillvalue="")
+    table = [[row[k] for k in kept] for row in (*heads, *rows)]
     wide = [max(len(row[k]) for row in table) for k in range(len(kept))]
     left = {n for n, k in enumerate(kept) if not _is_number_column(rows, headings, k)}
     out = []

@@ -7,18 +7,15 @@ import re
 import shutil
 import sys
 import textwrap
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
 from rollbench.compare.errors import escape_unprintable
 from rollbench.compare.quantities import format_range
+from rollbench.compare.results.base import format_table_as_text
 from rollbench.compare.running import clear_progress_line
-
-if TYPE_CHECKING:
-    from rich.table import Column as RichColumn
-    from rich.table import Table
 
 
 @dataclass(frozen=True)
@@ -26,7 +23,7 @@ class CommandOutput:
     """Output of a command, as texts and tables or as JSON, with its exit code.
 
     data: value to print as JSON, or a function that returns it, which is called only for JSON output. texts_and_tables:
-    texts and tables (of the package rich) to print otherwise, in this order. wrap_always: whether texts are wrapped to
+    texts and tables (`TextTable`) to print otherwise, in this order. wrap_always: whether texts are wrapped to
     `text_width` even if the output is no terminal.
     """
 
@@ -81,34 +78,17 @@ def print_json(value: Any) -> None:
 def _print_parts(parts: Iterable[Any], *, folded: bool) -> None:
     """Print texts and tables, wrapped to the width of the terminal.
 
-    If the output is no terminal, texts are not wrapped unless ``folded``, and tables are printed without rules, at least
-    160 characters wide.
+    If the output is no terminal, texts are not wrapped unless ``folded``, and tables are as wide as they need.
     """
     terminal = sys.stdout.isatty()
     for part in parts:
-        if not isinstance(part, str):
-            _print_table(part, terminal)
-            continue
-        text = wrap_lines(part, text_width()) if folded else part
+        if isinstance(part, TextTable):
+            text = part.text(text_width() if terminal else None)
+        else:
+            text = wrap_lines(part, text_width()) if folded or terminal else part
         text = "\n".join(map(escape_unprintable, text.split("\n")))  # file names may contain control characters
         with guard_standard_output():
-            print(wrap_lines(text, text_width()) if terminal else text)
-
-
-def _print_table(table: Any, terminal: bool) -> None:
-    """Print a table of the package rich; on a terminal, it is split into tables that fit the width.
-
-    ``terminal``: whether standard output is a terminal.
-    """
-    from rich.console import Console
-
-    console = Console(width=None if terminal else 160, soft_wrap=True, highlight=False, markup=False)
-    tables = split_to_width(table, text_width()) if terminal else [table]
-    if not terminal:
-        table.box, table.pad_edge = None, False
-        console.width = max(160, table_width_without_breaks(table))
-    with guard_standard_output():
-        console.print(*tables, sep="\n")
+            print(text)
 
 
 def text_width() -> int:
@@ -137,8 +117,8 @@ def format_cell(value: Any, number_format: str) -> str:
     return format(value, f"{sign}z{number_format.removeprefix(sign)}")
 
 
-#: Smallest width to which lines are wrapped, and width of a column in which words may be broken [characters].
-LEAST, FOLDED = 40, 8
+#: Smallest width to which lines are wrapped [characters].
+LEAST = 40
 
 #: Pattern of a command at the end of a line, which must stay on one line so that users can copy it.
 COMMAND = re.compile(
@@ -174,113 +154,47 @@ def _wrap_one_line(line: str, width: int) -> str:
     return "\n".join([*parts, *([] if command is None else [" " * indent + command[0]])])
 
 
-def split_to_width(table: Table, width: int) -> list[Table]:
-    """Split a table of texts into tables that are at most ``width`` characters wide, without breaking a number.
+@dataclass(frozen=True)
+class TextTable:
+    """Table of texts that a command prints; a heading may have several lines."""
 
-    Columns that do not fit are moved to a further table, which repeats the columns that identify a row.
-    """
-    limits = [_smallest_and_full_width(column, _padding_width(table)) for column in table.columns]
-    if sum(natural for _, natural in limits) + 1 <= width:
-        return [table]
-    rows = list(zip(*([str(cell) for cell in column.cells] for column in table.columns), strict=True))
-    keys = next((k for k in range(1, len(limits)) if len({row[:k] for row in rows}) == len(rows)), 1)
-    room = width - 1 - sum(least for least, _ in limits[:keys])
-    groups: list[list[int]] = [[]]
-    for k in range(keys, len(limits)):
-        if groups[-1] and sum(limits[i][0] for i in groups[-1]) + limits[k][0] > room:
-            groups.append([])
-        groups[-1].append(k)
-    parts = [_table_of_columns(table, [*range(keys), *group], rows, limits, width) for group in groups]
-    parts[0].title, parts[-1].caption = table.title, table.caption
-    return parts
+    headings: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    title: str = ""
+    caption: str = ""
 
+    def text(self, width: int | None = None) -> str:
+        """Return the table as text, in parts that are at most ``width`` characters wide if a width is given.
 
-def table_width_without_breaks(table: Table) -> int:
-    """Return the width [characters] that a table needs so that no word is broken."""
-    widths = []
-    for column in table.columns:
-        column.no_wrap = column.no_wrap or column.overflow == "fold"
-        least, natural = _smallest_and_full_width(replace(column, overflow="ellipsis"), _padding_width(table))
-        widths.append(max(least, min(natural, LEAST)))
-    return sum(widths)
-
-
-def _padding_width(table: Table) -> int:
-    """Return the width [characters] that padding and vertical rule add to each column."""
-    _, right, _, left = table.padding
-    return int(left) + int(right) + (table.box is not None)
+        Columns that do not fit are moved to a further part, which repeats the columns that identify a row. Headings are
+        broken at blanks where the width requires it, numbers never.
+        """
+        headings, count = self.headings, len(self.headings)
+        groups, wide = [[*range(count)]], [max(map(len, column)) + 2 for column in zip(headings, *self.rows, strict=True)]
+        if width is not None and sum(wide) > width + 2:
+            wide = [max(map(len, (*head.split(), *cells))) + 2 for head, *cells in zip(headings, *self.rows, strict=True)]
+            headings = [textwrap.fill(head, room - 2) for head, room in zip(headings, wide, strict=True)]
+            keys = next((k for k in range(1, count) if len({tuple(row[:k]) for row in self.rows}) == len(self.rows)), 1)
+            groups = [[*range(keys)]]
+            for k in range(keys, count):
+                if len(groups[-1]) > keys and sum(wide[i] for i in (*groups[-1], k)) > width + 2:
+                    groups.append([*range(keys)])
+                groups[-1].append(k)
+        parts = (([[row[k] for k in group] for row in self.rows], [headings[k] for k in group]) for group in groups)
+        tables = [format_table_as_text(rows, width or 10_000, heads) for rows, heads in parts]
+        return "\n".join(filter(None, [self.title, *tables, self.caption]))
 
 
-def _smallest_and_full_width(column: RichColumn, around: int) -> tuple[int, int]:
-    """Return the smallest width of a table column that breaks no word, and the width at which no text is wrapped.
+def table_of_records(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title: str = "") -> TextTable:
+    """Return a table from rows of values, whose keys become the headings.
 
-    ``around``: width of padding and rule, which is added to both [characters].
-    """
-    texts = [str(column.header), *map(str, column.cells)]
-    natural = max(map(len, texts))
-    least = natural if column.no_wrap else max((len(word) for text in texts for word in text.split()), default=0)
-    return (min(least, FOLDED) if column.overflow == "fold" else least) + around, natural + around
-
-
-def _table_of_columns(
-    table: Table, columns: Sequence[int], rows: Sequence[tuple[str, ...]], limits: Sequence[tuple[int, int]], width: int
-) -> Table:
-    """Return a table with some columns of another table, at most ``width`` characters wide.
-
-    ``columns``: numbers of these columns, from 0. ``rows``: texts of all rows of the other table. ``limits``: for each of
-    its columns, the smallest width that breaks no word and the width at which no text is wrapped. The width that remains is
-    given to the columns with the longest texts.
-    """
-    from rich.table import Table as Made
-
-    wide = [limits[k][0] for k in columns]
-    for _ in range(width - 1 - sum(wide)):
-        at = max(range(len(wide)), key=lambda n: limits[columns[n]][1] - wide[n])
-        wide[at] += limits[columns[at]][1] > wide[at]
-    headings = [
-        replace(table.columns[k].copy(), width=w - _padding_width(table)) for k, w in zip(columns, wide, strict=True)
-    ]
-    out = Made(*headings, title_justify="left", box=table.box, padding=table.padding, pad_edge=table.pad_edge)
-    for row in rows:
-        out.add_row(*(row[k] for k in columns))
-    return out
-
-
-def ruled_table(
-    title: str, headings: Iterable[str], rows: Iterable[Iterable[str]], left_aligned: Collection[str] = ()
-) -> Table:
-    """Return a table of texts with title and rules.
-
-    Columns are right-aligned, except those with the headings ``left_aligned``.
-    """
-    return _new_table(headings, rows, left_aligned, title=title)
-
-
-def plain_table(
-    headings: Sequence[str], rows: Iterable[Iterable[str]], left_aligned: Collection[str] = (), *, blanks: int = 1
-) -> Table:
-    """Return a table of texts without rules and without wrapping, with ``blanks`` spaces between columns.
-
-    Columns are right-aligned, except those with the headings ``left_aligned``.
-    """
-    out = _new_table(headings, rows, left_aligned, box=None, pad_edge=False, padding=(0, blanks, 0, 0))
-    for column in out.columns:
-        column.no_wrap = True
-    return out
-
-
-def table_of_records(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title: str | None = None) -> Table:
-    """Return a table without rules from rows of values, whose keys become the headings.
-
-    ``digits``: number format of Python for all numbers; a list of two numbers is shown as a range. ``title``: title of the
-    table; None: no title. Columns without values are left out; columns of texts are left-aligned.
+    ``digits``: number format of Python for all numbers; a list of two numbers is shown as a range. Columns without values
+    are left out.
     """
     keys = dict.fromkeys(key for row in rows for key in row)
     known = [key for key in keys if any(row.get(key) is not None for row in rows)]
-    kept = {key: key.replace("_", " ").replace("percent", "%") for key in known}
-    left = [heading for key, heading in kept.items() if isinstance(rows[0].get(key), str)]
-    texts = ([_format_record_value(row.get(key), digits) for key in kept] for row in rows)
-    return _new_table(kept.values(), texts, left, title=title, box=None, pad_edge=False, padding=(0, 1, 0, 0))
+    texts = [[_format_record_value(row.get(key), digits) for key in known] for row in rows]
+    return TextTable([key.replace("_", " ").replace("percent", "%") for key in known], texts, title)
 
 
 def _format_record_value(value: Any, digits: str) -> str:
@@ -288,15 +202,3 @@ def _format_record_value(value: Any, digits: str) -> str:
     return (
         format_range(value) if isinstance(value, list) else format_cell(value, digits if isinstance(value, float) else "s")
     )
-
-
-def _new_table(headings: Iterable[str], rows: Iterable[Iterable[str]], left_aligned: Collection[str], **look: Any) -> Table:
-    """Return a table with headings and rows of texts; ``look``: further arguments for the table class of rich."""
-    from rich.table import Table as Made
-
-    out = Made(title_justify="left", **look)
-    for heading in headings:
-        out.add_column(heading, justify="left" if heading in left_aligned else "right")
-    for row in rows:
-        out.add_row(*row)
-    return out

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -32,10 +32,6 @@ from rollbench.lowfi.statics.tangent import TangentStiffness
 from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import FREEDOMS, SIDES
-
-if TYPE_CHECKING:
-    from rich.console import RenderableType
-
 
 #: Headings in the table of a load curve, for keys that are too long for it.
 OF_CURVE = {
@@ -172,7 +168,7 @@ def side_by_side_parts(side_by_side: SideBySide) -> list[Any]:
     return [
         *(f"{name}: {line}" for name, line in warned if line),
         *(f"{one.scene}: {one.status}" for one in side_by_side.scenes if one.status != "converged"),
-        printing.ruled_table(title, headings, rows, [""]),
+        printing.TextTable(headings, rows, title),
         side_by_side.inputs_in_words,
         *([f"not computed: {', '.join(unknown)}; rollbench solve SCENE shows why"] if unknown else []),
         "per cent: difference from the first scene; rollbench solve SCENE shows all results",
@@ -201,7 +197,7 @@ def _force_balance_lines(equilibrium: Equilibrium, *, several: bool) -> list[str
     return lines
 
 
-def _ball_and_roller_tables(found: Result) -> list[RenderableType]:
+def _ball_and_roller_tables(found: Result) -> list[Any]:
     """Return the tables of balls with loads and angles on the loaded groove flanks, of these flanks, and of rollers.
 
     Loads are rounded to the digits that their expected error justifies.
@@ -230,19 +226,19 @@ def _ball_and_roller_tables(found: Result) -> list[RenderableType]:
     return [part for rows, digits in tables if rows for part in (printing.table_of_records(rows, digits), "")]
 
 
-def tangent_stiffness_parts(tangent: TangentStiffness) -> list[RenderableType]:
+def tangent_stiffness_parts(tangent: TangentStiffness) -> list[Any]:
     """Return the text and the table that show the 6 x 6 stiffness at a cross-section of the screw, in N, m and rad.
 
     ``tangent``: the stiffness, with its axial position; without a solution, the text states the reason.
     """
     if tangent.status != "converged":
         return [f"stiffness at {1e3 * tangent.station:.6g} mm: {tangent.status}"]
-    rows = ((name, *(f"{x:.4g}" for x in row)) for name, row in zip(FREEDOMS, tangent.matrix, strict=True))
+    rows = [(name, *(f"{x:.4g}" for x in row)) for name, row in zip(FREEDOMS, tangent.matrix, strict=True)]
     head = (
         f"tangent stiffness of the screw's cross-section at {1e3 * tangent.station:.6g} mm with the nut fixed, without the "
         "screw's supports: forces and moments (rows) by displacements and rotations (columns), in N, m, rad"
     )
-    return ["", head, printing.plain_table(("", *FREEDOMS), rows)]
+    return ["", head, printing.TextTable(("", *FREEDOMS), rows)]
 
 
 def _nut_bearing_and_housing_tables(found: Result, *, stiffness: bool) -> list[Any]:
@@ -254,7 +250,7 @@ def _nut_bearing_and_housing_tables(found: Result, *, stiffness: bool) -> list[A
         return []
     result, rows = found.solution, bearing_and_nut_rows(found.sets)
     cells = [[*row.values()] for row in rows]
-    out: list[Any] = [printing.plain_table([*rows[0]], cells, ["set"], blanks=2), ""]
+    out: list[Any] = [printing.TextTable([*rows[0]], cells), ""]
     for h in result.housings:
         motion = {n.partition("_"): x for n, x in motion_in_um_and_mrad(h.motion).items() if x}
         moved = ", ".join(f"{freedom} {x:.4g} {unit}" for (freedom, _, unit), x in motion.items())
@@ -308,7 +304,7 @@ def duty_cycle_parts(
         "",
     ]
     parts += [format_table_as_text(duty_cycle_rows(found.together), printing.text_width()), ""]
-    parts += [printing.table_of_records([*load_case_rows(found)], ".4g"), ""]
+    parts += [printing.table_of_records([*load_case_rows(found)]), ""]
     shown: set[str] = set()
     for case, one in zip(cases, found.cases.values(), strict=True):
         lines = solved_case_parts(one, balls=balls, details=details, stiffness=stiffness)
@@ -342,7 +338,7 @@ def parameter_table_parts(table: Table) -> list[Any]:
     These are the table of quantities with their expected errors, then lines on the combinations of values without results.
     """
     whole = printing.table_of_records(_parameter_table_rows(table))
-    return [*printing.split_to_width(whole, printing.text_width()), "", *_parameter_table_summary_lines(table)]
+    return [whole.text(printing.text_width()), "", *_parameter_table_summary_lines(table)]
 
 
 def _parameter_table_rows(found: Table) -> list[dict[str, Any]]:

@@ -1,42 +1,33 @@
 """Commands return answers, which one printer prints: JSON, texts and tables for terminals of any width."""
 
-import io
 from itertools import product
 
 import pytest
-from rich.box import HEAVY_HEAD
-from rich.console import Console
-from rich.table import Table
 
-from rollbench.compare.text.printing import CommandOutput, print_command_output, split_to_width
+from rollbench.compare.text.printing import CommandOutput, TextTable, print_command_output
 
-
-def balls(*, ruled: bool) -> Table:
-    table = Table(title="loads", box=HEAVY_HEAD if ruled else None)
-    for k, name in enumerate(("ball", "side", *(f"quantity {n} / N" for n in range(9)))):
-        table.add_column(name, justify="right", no_wrap=k > 9)
-    for ball, side in product(range(1, 4), ("SL", "NR")):
-        table.add_row(str(ball), side, *(f"{1234.5 + ball + n:.2f}" for n in range(9)))
-    return table
+NAMES = ("ball", "side", *(f"quantity {n} / N" for n in range(9)))
+ROWS = [
+    (str(ball), side, *(f"{1234.5 + ball + n:.2f}" for n in range(9))) for ball, side in product(range(1, 4), ("SL", "NR"))
+]
 
 
-def shown(table: Table, width: int) -> str:
-    stream = io.StringIO()
-    Console(file=stream, width=width).print(table)
-    return stream.getvalue()
-
-
-@pytest.mark.parametrize("ruled", [True, False])
 @pytest.mark.parametrize("width", [48, 60, 80])
-def test_no_number_is_cut_and_every_part_names_its_rows(width: int, *, ruled: bool) -> None:
-    parts = split_to_width(balls(ruled=ruled), width)
-    texts = [shown(part, width) for part in parts]
-    assert len(parts) > 1
-    assert "…" not in "".join(texts)
-    assert max(len(line.rstrip()) for text in texts for line in text.splitlines()) <= width
-    assert sum(text.count("1236.5") for text in texts) == 4, "ball 1 at 1, ball 2 at 0, on both sides"
-    assert all("ball" in text and text.count("SL") == 3 for text in texts)
-    assert [("loads" in text) for text in texts] == [True] + [False] * (len(texts) - 1)
+def test_no_number_is_cut_and_every_part_names_its_rows(width: int) -> None:
+    text = TextTable(NAMES, ROWS, "loads").text(width)
+    assert max(map(len, text.splitlines())) <= width
+    assert text.count("1236.5") == 4, "ball 1 at 1, ball 2 at 0, on both sides"
+    parts = text.count("ball")
+    assert parts > 1
+    assert text.count("SL") == 3 * parts
+    assert text.startswith("loads\n")
+    assert text.count("loads") == 1
+
+
+def test_table_that_fits_and_table_without_terminal_are_in_one_part() -> None:
+    whole = TextTable(NAMES, ROWS, "loads", "caption")
+    assert len(whole.text().splitlines()) == 1 + 1 + len(ROWS) + 1
+    assert whole.text(200) == whole.text()
 
 
 def test_json_is_one_value_without_its_text_and_parts_are_printed_as_they_come(capsys):
