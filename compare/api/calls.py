@@ -521,7 +521,7 @@ def compare_models(
     """
     from rollbench.compare.models.registry import model_by_name
     from rollbench.compare.reference.levels import LEVELS
-    from rollbench.compare.results.comparison import make_comparison, prepare_comparison
+    from rollbench.compare.results.comparing import make_comparison, prepare_comparison
 
     if reference is not None and levels is not None:
         allowed, advice = "either a reference file or `levels`", "leave out one of the two arguments"

@@ -13,14 +13,11 @@ from rollbench.compare.running import check_packages, show_progress_message
 from rollbench.compare.text import printing
 
 if TYPE_CHECKING:
-    from rollbench.compare.models.comparison import SceneWithReference
     from rollbench.compare.reference.estimate import Reference
     from rollbench.compare.reference.jobs import ComputingSettings
-    from rollbench.compare.results.compared import ModelLoads
+    from rollbench.compare.results.comparison import Comparison, ModelLoads
     from rollbench.compare.scenes.duty_cycle import FrictionScene
     from rollbench.compare.studies.rolling.rows import RollingComparisonRow
-    from rollbench.meshes.parts import Scene
-    from rollbench.reports.content import Figure
 
 
 #: Exit code if contact loads of a 3D reference still change after its last update of contact normals and gaps.
@@ -78,15 +75,9 @@ def compare_and_report(
     from rollbench.compare.models.comparison import RULE, comparison_rows, path_of_condensed_bodies
     from rollbench.compare.models.registry import model_by_name
     from rollbench.compare.results.base import add_schema_version, format_table_as_text
-    from rollbench.compare.results.compared import comparison_json, comparison_verdict_sentence, model_and_reference_rows
-    from rollbench.compare.results.comparison import (
-        cycle_summaries_json,
-        distinct_duty_cycles,
-        prepare_comparison,
-        scene_and_set_keys,
-    )
+    from rollbench.compare.results.comparing import make_comparison, prepare_comparison
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.duty_cycle import load_cases_by_scene_name
+    from rollbench.compare.scenes.duty_cycle import DutyCycle, load_cases_by_scene_name
     from rollbench.compare.scenes.scene_file import scenes_to_solve
 
     chosen = [model_by_name(name, "models") for name in models]
@@ -98,28 +89,26 @@ def compare_and_report(
     how: dict[str, Any] = {"store": store, "levels": levels, "fresh": fresh, "reference": reference}
     found = prepare_comparison(described, names, chosen, engine, show_progress_message, **how)
     origins = [(x, name) for one, name in zip(described, names, strict=True) for x in scenes_to_solve(one, name)]
-    cases, warnings, stores, own = load_cases_by_scene_name(described), found.warnings, found.stores, found.from_user_file
+    cases, warnings, stores = load_cases_by_scene_name(described), found.warnings, found.stores
 
-    def identifying_keys(one: SceneWithReference) -> dict[str, Any]:
-        """Return the JSON keys that identify the scene, its nut or bearing, and its load case."""
-        case = cases.get(one.described_scene_name)
-        return scene_and_set_keys(one) | ({} if case is None else case.identifying_values)
+    def cycle_summaries(parts: Sequence[Comparison]) -> list[dict[str, Any]]:
+        """Return the summaries of all duty cycles, from the comparisons of all nuts, bearings and load cases."""
+        cycles = {one.name: one for one in described if isinstance(one, DutyCycle)}.values()
+        return [row for one in cycles for row in make_comparison(one, parts).cycle_summaries()]
 
     def terminal_parts() -> Iterator[Any]:
         """Yield the texts and tables for the terminal: verdict, results and errors of the models for each scene."""
         comparisons, warned = [], [f"WARNING: {warning}" for warning in warnings]
-        for one, whole in found.compare_each():
-            comparisons.append(((one.described_scene_name, one.set_name), whole))
-            yield from (
-                f"{one.reference.scene}: {comparison_verdict_sentence(whole, one.reference)}",
-                *filter(None, [whole.uncertainty.shared_error_sentence]),
-                *warned,
-                "",
-            )
+        for whole in found.compare_each():
+            assert whole.of is not None
+            assert whole.reference is not None
+            assert whole.uncertainty is not None
+            comparisons.append(whole)
+            scene, shared = whole.of.scene, whole.uncertainty.shared_error_sentence
+            yield from (f"{whole.scene}: {whole.verdict}", *filter(None, [shared]), *warned, "")
             warned = []
-            headings, answers = model_and_reference_rows(whole)
-            yield from (format_table_as_text(answers, printing.text_width(), headings), "")
-            cells = [*map(_model_table_cells, (whole.reference_loads, *whole.models))]
+            yield from (format_table_as_text(whole.table(), printing.text_width(), whole.headings), "")
+            cells = [*map(_model_table_cells, (whole.reference, *whole.models.values()))]
             yield from (printing.TextTable(MODEL_COLUMNS, cells), "")
             if verbose:
                 yield from (whole.uncertainty.words, f"rule of rollbench check: {RULE}")
@@ -130,39 +119,36 @@ def compare_and_report(
                         f"{whole.judged_model.title}"
                     )
             if balls:
-                rows = contact_load_rows(one.scene, whole.models, one.reference)
-                listed = [{k.removesuffix("_N"): v for k, v in row.items() if k != "scene"} for row in rows]
-                yield from (printing.table_of_records(listed, ".2f", f"{one.scene.name}: contact loads / N"), "")
-            bodies = path_of_condensed_bodies(one.scene, one.reference, stores) if one.place_on_shaft is None else None
+                rows = [
+                    {k.removesuffix("_N"): v for k, v in row.items() if not k.endswith("percent")}
+                    for row in whole.frame_rows()
+                ]
+                yield from (printing.table_of_records(rows, ".2f", f"{scene.name}: contact loads / N"), "")
+            single = whole.of.assembly is None
+            bodies = path_of_condensed_bodies(scene, whole.of.reference, stores) if single else None
             if bodies is not None:
-                name = next(name for scene, name in origins if scene is one.scene)
+                name = next(name for of, name in origins if of is scene)
                 command = f"rollbench solve {shlex.quote(name)} --condensed {shlex.quote(str(bodies))}"
                 yield f"preload, 6 x 6 stiffness and friction with the 3D bodies: {command}"
-            yield write_contact_loads(one.scene, whole.models, one.reference, store)
+            yield write_contact_loads(whole, store / f"{scene.name}-compare")
             if not verbose:
                 yield "--verbose also shows: causes of the uncertainty, rule of rollbench check, times of stored runs"
-        for cycle in distinct_duty_cycles(cases):
-            for summary in cycle_summaries_json(cycle, dict(comparisons)):
-                yield from ("", _duty_cycle_sentence(summary))
+        for summary in cycle_summaries(comparisons):
+            yield from ("", _duty_cycle_sentence(summary))
 
     def json_output() -> dict[str, Any]:
         """Return the JSON output: loads of every contact, and results and errors of the models, for each scene."""
-        pairs = list(found.compare_each())
-        listed = [
-            row.as_json() | identifying_keys(one)
-            for one, whole in pairs
-            for b in whole.models
-            for row in comparison_rows(one.scene, b.contact_loads, one.reference)
-        ]
-        answers = [(one, comparison_json(whole, one.reference) | identifying_keys(one)) for one, whole in pairs]
-        single = [x for one, x in answers if one.described_scene_name not in cases]
+        comparisons = list(found.compare_each())
+        listed, single, of_cases = (list[dict[str, Any]]() for _ in range(3))
+        for whole in comparisons:
+            assert whole.of is not None
+            for b in whole.models.values():
+                rows = comparison_rows(whole.of.scene, b.contact_loads, whole.of.reference)
+                listed += [row.as_json() | whole.identifying_values(cases) for row in rows]
+            (of_cases if whole.of.described_scene.name in cases else single).append(whole.part_json(cases))
         out = add_schema_version({"scenes": single, "rows": listed})
-        out |= {"warnings": warnings} if own else {}
-        if not cases:
-            return out
-        by_name = {(one.described_scene_name, one.set_name): whole for one, whole in pairs}
-        summaries = [row for cycle in distinct_duty_cycles(cases) for row in cycle_summaries_json(cycle, by_name)]
-        return out | {"summary": summaries, "cases": [x for one, x in answers if one.described_scene_name in cases]}
+        out |= {"warnings": warnings} if found.from_user_file else {}
+        return out | ({"summary": cycle_summaries(comparisons), "cases": of_cases} if cases else {})
 
     code = exit_code_of_references(one.reference for sets in found.references for one in sets)
     return printing.CommandOutput(json_output, terminal_parts(), code)
@@ -334,57 +320,18 @@ def _model_table_cells(compared_loads: ModelLoads) -> list[str]:
     ]
 
 
-def contact_load_rows(scene: Scene, models: Sequence[ModelLoads], reference: Reference) -> list[dict[str, Any]]:
-    """Return a row for each loaded contact: load of the reference, its uncertainty, and loads of the models [N].
+def write_contact_loads(compared: Comparison, stem: Path) -> str:
+    """Write the loads of every contact to a CSV file and a figure, and return a line with the names of both files.
 
-    ``models``: loads of models and coarser meshes, each (n, 4) [N] for n balls and four groove flanks.
-    """
-    import numpy as np
-
-    from rollbench.meshes.parts import SIDES
-
-    rows = []
-    loaded = (reference.load > 0.0) | np.any([b.contact_loads.load > 0.0 for b in models], axis=0)
-    for i, s in zip(*np.nonzero(loaded), strict=True):
-        row: dict[str, Any] = {"scene": scene.name, "ball": int(i) + 1, "side": SIDES[int(s)]}
-        row |= {"reference_N": float(reference.load[i, s]), "uncertainty_N": float(reference.uncertainty[i, s])}
-        rows.append(row | {f"{b.title}_N": float(b.contact_loads.load[i, s]) for b in models})
-    return rows
-
-
-def load_figure(name: str, models: Sequence[ModelLoads], reference: Reference) -> Figure:
-    """Return the figure of contact loads over the ball number, with a panel for each loaded groove flank of the screw.
-
-    ``name``: file name of the figure. ``models``: loads by models and coarser meshes; only those by models are drawn.
-    """
-    from rollbench.compare.models.registry import is_model_name
-    from rollbench.compare.results.compared import OURS
-    from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel
-    from rollbench.meshes.parts import SIDES
-    from rollbench.reports.content import Figure
-
-    panels, drawn = [], [b for b in models if b.name == OURS or is_model_name(b.name)]
-    for s in (0, 1):
-        if not (reference.load[:, s] > 0.0).any():
-            continue
-        series = [contact_load_curve(reference.label, reference, s, emphasis=True, uncertainty=reference.uncertainty)]
-        series += [contact_load_curve(b.title, b.contact_loads, s, "line") for b in drawn]
-        panels.append(contact_load_panel(f"screw's flank {SIDES[s]}", *series))
-    return Figure(name, "Contact loads: prediction and reference", panels)
-
-
-def write_contact_loads(scene: Scene, models: Sequence[ModelLoads], reference: Reference, store: Path) -> str:
-    """Write the loads of all contacts (CSV) and their figure (SVG) to the folder ``store``.
-
-    ``models``: loads of models and coarser meshes. Returns a line that names both files.
+    ``stem``: path of both files without suffix.
     """
     from rollbench.compare.files import write_csv, write_figure, written_together
 
-    rows = contact_load_rows(scene, models, reference)
-    stem = store / f"{scene.name}-compare"
+    drawn = compared.figure()
+    assert drawn is not None, "a reference has loads"
     with written_together():
-        write_csv(Path(f"{stem}.csv"), rows)
-        figure = write_figure(Path(f"{stem}.svg"), load_figure("compare-loads", models, reference))
+        write_csv(Path(f"{stem}.csv"), compared.frame_rows())
+        figure = write_figure(Path(f"{stem}.svg"), drawn)
     return f"wrote {stem}.csv (every contact) and {figure}"
 
 

@@ -115,8 +115,8 @@ def study_mesh_levels(
     for one in references:
         study, stem = study_of.mesh_study_of_reference(one, stores, levels), store / f"{one.scene.name}-mesh-study"
         table = [x.as_json() for x in study.quantities]
-        rows = table if one.place_on_shaft is None else [{"set": one.place_on_shaft.name, **row} for row in table]
-        tables[one.scene.name if one.place_on_shaft is None else one.place_on_shaft.assembly.name] += rows
+        rows = table if one.assembly is None else [{"set": one.set_name, **row} for row in table]
+        tables[one.described_scene.name] += rows
         figure = study.figure()
         with written_together():
             write_csv(Path(f"{stem}.csv"), rows)

@@ -18,7 +18,7 @@ from rollbench.compare.gate.judged import ANGLE, LIFE, OF_CONTACTS, UserValue, p
 from rollbench.compare.gate.verdict import LARGEST, LIMIT, ErrorLimits, Judgement, VerdictRow
 from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.models import comparison
-from rollbench.compare.models.comparison import NutOrBearingOnShaft, SceneWithReference
+from rollbench.compare.models.comparison import SceneWithReference, scene_of_set
 from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.loads_file import EVERY, ContactLoadsFromFile, Only, read_loads
 from rollbench.compare.models.programs import model_title
@@ -320,8 +320,8 @@ def check_scenes(
             beside = each
             if value.axial_load is not None:
                 beside = comparison.stored_references(given.scenes_by_axial_load[value.axial_load], request.stores)
-            places = ((x, x.place_on_shaft) for x in beside)
-            one = next((x for x, p in places if p is None or value.set in _accepted_names(p.assembly, p.index)), None)
+            places = ((x, x.assembly) for x in beside)
+            one = next((x for x, of in places if of is None or value.set in _accepted_names(of, x.index)), None)
             out.append(_verdict_on_user_value(value, one, scene, limits, request, reason))
     return out
 
@@ -373,7 +373,7 @@ def _verdict_on_user_value(
     """
     assert request.values is not None
     judged = request.values.name
-    if one is None or (one.place_on_shaft is not None and value.quantity is not LIFE):
+    if one is None or (one.assembly is not None and value.quantity is not LIFE):
         reason = reason if one is None else "with several nuts or bearings on one shaft, only the life of each is judged"
         return _not_covered_verdict(scene, judged, value.name, limits.limit_of(value.quantity), reason)
     found = verdict.judge_value(judged, value, one.scene, one.reference, limits)
@@ -429,7 +429,7 @@ def nuts_and_bearings_with_row_filter(scene: Solvable, case: str | None) -> list
         if not isinstance(s.parts, Scene):
             advice = "judge a model instead of a file: rollers have no flanks to which loads could be assigned"
             raise InputError(scene.name, "sets", s.name, "a nut or bearing with balls", advice)
-        out.append((NutOrBearingOnShaft(scene, k).scene, {**of_case, "set": _accepted_names(scene, k)}))
+        out.append((scene_of_set(scene, k), {**of_case, "set": _accepted_names(scene, k)}))
     return out
 
 
@@ -472,13 +472,15 @@ def references_from_file(
     """
     out = []
     for k, (parts, only) in enumerate(nuts_and_bearings_with_row_filter(scene, case)):
-        of = None if isinstance(scene, Scene) else NutOrBearingOnShaft(scene, k)
-        reference, unknown = read_reference_file(path, parts, only, None if of is None else of.loaded_contact_count)
-        reference = reference if of is None else replace(reference, scene=f"{scene.name}, {of.name}")
+        of, contacts = None if isinstance(scene, Scene) else scene, None
+        if of is not None:
+            contacts = comparison.loaded_contact_counts(of)[k]
+        reference, unknown = read_reference_file(path, parts, only, contacts)
+        reference = reference if of is None else replace(reference, scene=f"{of.name}, {of.sets[k].name}")
         _check_unknown_columns(path, unknown, warn, strict=strict)
         if words := uncertainty_warning(reference, limits_for_scene(scene, limit).largest_load_error):
             warn(words)
-        out.append(SceneWithReference(parts, reference, of))
+        out.append(SceneWithReference(parts, reference, of, k))
     return out
 
 
@@ -585,11 +587,11 @@ def _verdicts_on_model(one: SceneWithReference, limits: ErrorLimits, request: Ga
     """
     scene, ref, name = one.scene, one.reference, request.model or DEFAULT
     title = model_title(name)
-    if one.place_on_shaft is not None:
-        answer = comparison.solution_of_nut_or_bearing(one.place_on_shaft, name)
-        result, status = (None, answer) if isinstance(answer, str) else (answer.loaded_result, "converged")
+    model = model_by_name(name)
+    if one.assembly is not None:
+        answer = comparison.solve_nut_or_bearing(one, model, request.stores)
+        result, status = (None, answer) if isinstance(answer, str) else (answer[0], "converged")
     else:
-        model = model_by_name(name)
         if not model.covers_scene(scene):
             advice = "choose another model; the command rollbench list shows which scenes each model can describe"
             raise ArgumentError("model", f'"{name}"', f"a model that can describe {scene.name}", advice)
@@ -605,7 +607,7 @@ def _verdicts_on_model(one: SceneWithReference, limits: ErrorLimits, request: Ga
     first, *verdicts = verdict.judge_contact_loads(title, result.load, ref, limits, detail=detail)
     verdicts = [replace(first, judgement=Judgement.FAIL) if outside and request.strict else first, *verdicts]
     verdicts += verdict.judge_contact_quantities(title, values, scene, ref, limits)
-    whole = [] if one.place_on_shaft else verdict.screw_values_by_model(scene, loads, limits.limits_by_quantity)
+    whole = [] if one.assembly else verdict.screw_values_by_model(scene, loads, limits.limits_by_quantity)
     return verdicts + [verdict.judge_value(title, v, scene, ref, limits) for v in whole]
 
 

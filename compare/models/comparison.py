@@ -19,7 +19,7 @@ import numpy as np
 from rollbench.compare import files
 from rollbench.compare.errors import InputError
 from rollbench.compare.measure import error_percent, load_error, load_scale_of_check_errors
-from rollbench.compare.models.loading import with_scaled_loads
+from rollbench.compare.models.loading import solve_with_scaled_loads, with_scaled_loads
 from rollbench.compare.models.model import Model, ModelOptions
 from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.compare.printed import printed_entry
@@ -34,7 +34,7 @@ from rollbench.lowfi.statics.nominal import count_nominal_contacts, nominal_scen
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.parts import SIDES, Load, Scene
+from rollbench.meshes.parts import SIDES, Scene
 
 #: Names of the scenes whose runs of the 3D reference are included with rollbench.
 REFERENCED = names_of_scenes_with_role("referenced")
@@ -199,40 +199,6 @@ def solution_from_result(result: StaticResult, seconds: float | None = None) -> 
     line = result.centreline[:, :3]
     angle = np.degrees(result.contact_angle)
     return ContactSolution(result.model, result.load, angle, result.centreline_z, line, seconds, pressure=result.pressure)
-
-
-def solve_and_time(model: Model, scene: Scene, ref: Reference, stores: Sequence[Path] | None) -> tuple[StaticResult, float]:
-    """Solve a scene with a low-order model, and measure the computing time.
-
-    The computing time does not include elastic bodies that are cached from an earlier solution of the same geometry.
-
-    Parameters
-    ----------
-    model
-        The model.
-    scene
-        Scene with one nut or bearing row.
-    ref
-        Reference of the scene.
-    stores
-        Folders with runs of the 3D reference; None: those included with rollbench.
-
-    Returns
-    -------
-    StaticResult
-        The result.
-    float
-        Computing time [s].
-
-    Raises
-    ------
-    InputError
-        If the model needs condensed bodies and no folder has them.
-    """
-    options = comparison_options(model, scene, ref, stores)
-    start = perf_counter()
-    result = run_model(scene, model.name, options)
-    return result, perf_counter() - start
 
 
 def solution_from_run(run: Run, name: str) -> ContactSolution:
@@ -498,32 +464,15 @@ def contact_load_errors(reference: Reference, load: Array) -> list[ContactError]
     return points
 
 
-@dataclass(frozen=True)
-class NutOrBearingOnShaft:
-    """One of several nuts or bearing rows on a shaft: the shaft, and the number of the nut or row on it."""
+def scene_of_set(assembly: Assembly, index: int) -> Scene:
+    """Return a nut or bearing row on a shaft as a separate scene, named after the assembly and the nut or row.
 
-    #: Shaft with all nuts or bearings.
-    assembly: Assembly
-    #: Number of this nut or bearing on the shaft, from 0.
-    index: int
-
-    @property
-    def name(self) -> str:
-        """Name of the nut or bearing."""
-        return self.assembly.sets[self.index].name
-
-    @property
-    def scene(self) -> Scene:
-        """Nut or bearing row as a separate scene, named after assembly and nut or row; ValueError for a row of rollers."""
-        parts = self.assembly.sets[self.index].parts
-        if not isinstance(parts, Scene):
-            raise ValueError(f"{self.name} has rollers: only a nut or bearing row with balls can be a scene of its own")
-        return replace(parts, name=re.sub(r"[^\w.-]+", "-", f"{self.assembly.name}-{self.name}"))
-
-    @property
-    def loaded_contact_count(self) -> int:
-        """Number of contacts of the nut or bearing that carry load if it has its preload but no geometric errors."""
-        return _loaded_contact_counts(self.assembly)[self.index]
+    ``index``: its number on the shaft, from 0. Raises ValueError for a row of rollers.
+    """
+    one = assembly.sets[index]
+    if not isinstance(one.parts, Scene):
+        raise ValueError(f"{one.name} has rollers: only a nut or bearing row with balls can be a scene of its own")
+    return replace(one.parts, name=re.sub(r"[^\w.-]+", "-", f"{assembly.name}-{one.name}"))
 
 
 @dataclass(frozen=True)
@@ -534,42 +483,20 @@ class SceneWithReference:
     scene: Scene
     #: Reference of the nut or bearing.
     reference: Reference
-    #: The nut or bearing as one of several on its shaft; None for a scene with a single one.
-    place_on_shaft: NutOrBearingOnShaft | None = None
+    #: Shaft with all nuts or bearings; None for a scene with a single one.
+    assembly: Assembly | None = None
+    #: Number of the nut or bearing on its shaft, from 0.
+    index: int = 0
 
     @property
     def described_scene(self) -> Solvable:
         """Scene that the user described: the assembly if the shaft has several nuts or bearings."""
-        return self.scene if self.place_on_shaft is None else self.place_on_shaft.assembly
-
-    @property
-    def described_scene_name(self) -> str:
-        """Name of the scene that the user described."""
-        return self.described_scene.name
-
-    @property
-    def index(self) -> int:
-        """Number of the nut or bearing on its shaft, from 0."""
-        return 0 if self.place_on_shaft is None else self.place_on_shaft.index
+        return self.scene if self.assembly is None else self.assembly
 
     @property
     def set_name(self) -> str:
         """Name of the nut or bearing on its shaft; empty if the scene has a single one."""
-        return "" if self.place_on_shaft is None else self.place_on_shaft.name
-
-
-@dataclass(frozen=True)
-class NutOrBearingSolution:
-    """Solution of a low-order model for one of several nuts or bearings on a shaft, under the loads and without them."""
-
-    #: Result under the loads of the assembly.
-    loaded_result: StaticResult
-    #: Result without the loads of the assembly.
-    unloaded_result: StaticResult
-    #: Computing time of the solution under load [s].
-    seconds: float
-    #: Nut or bearing as a separate scene, loaded by the force and moment that its balls carry.
-    scene: Scene
+        return "" if self.assembly is None else self.assembly.sets[self.index].name
 
 
 def stored_references(
@@ -604,15 +531,15 @@ def references_from_runs(scene: Solvable, runs: tuple[Run, ...]) -> list[SceneWi
         return [SceneWithReference(scene, reference)]
     out = []
     for k, rows in enumerate(ball_slices_by_set(scene)):
-        of = NutOrBearingOnShaft(scene, k)
+        name, parts = f"{scene.name}, {scene.sets[k].name}", scene_of_set(scene, k)
         of_set = tuple(replace(r, load=r.load[rows], angle=r.angle[rows], frozen=r.frozen[rows]) for r in runs)
-        reference = reference_from_runs(f"{scene.name}, {of.name}", of.scene, of_set, contacts=of.loaded_contact_count)
-        out.append(SceneWithReference(of.scene, reference, of))
+        reference = reference_from_runs(name, parts, of_set, contacts=loaded_contact_counts(scene)[k])
+        out.append(SceneWithReference(parts, reference, scene, k))
     return out
 
 
 @lru_cache(maxsize=64)
-def _loaded_contact_counts(assembly: Assembly) -> tuple[int, ...]:
+def loaded_contact_counts(assembly: Assembly) -> tuple[int, ...]:
     """Return how many ball contacts of each nut or bearing carry load if the parts have preload but no geometric errors.
 
     The loads are computed by the model "lin". The number is 0 for rollers, and for all if there is no equilibrium.
@@ -636,33 +563,42 @@ def solve_loaded_and_unloaded(assembly: Assembly, model: str) -> tuple[AxisResul
     return result, run_model(with_scaled_loads(assembly, 0.0), model, options), seconds
 
 
-def solution_of_nut_or_bearing(set_of_assembly: NutOrBearingOnShaft, model: str) -> NutOrBearingSolution | str:
-    """Return a model's solution for one of several nuts or bearings on a shaft, under the shaft's loads and without them.
+def solve_nut_or_bearing(
+    one: SceneWithReference, model: Model, stores: Sequence[Path] | None
+) -> tuple[StaticResult, StaticResult, float] | str:
+    """Solve a nut or bearing by a low-order model, under the loads of its scene or shaft and without them.
+
+    The computing time does not include elastic bodies that are cached from an earlier solution of the same geometry.
 
     Parameters
     ----------
-    set_of_assembly
-        The nut or bearing on its shaft.
+    one
+        The nut or bearing, and its reference.
     model
-        Name of the model.
+        The model.
+    stores
+        Folders with runs of the 3D reference; None: those included with rollbench.
 
     Returns
     -------
-    NutOrBearingSolution or str
-        The solution, or the reason why the assembly has no equilibrium.
+    tuple or str
+        Result under the loads, result without them, and computing time of the first [s]; or the reason why the shaft has no
+        equilibrium.
 
     Raises
     ------
     InputError
-        If the model covers only scenes with one nut or bearing.
+        If the model covers only scenes with one nut or bearing, or needs condensed bodies and no folder has them.
     """
-    result, bare, seconds = solve_loaded_and_unloaded(set_of_assembly.assembly, model)
-    if not result.converged:
-        return result.status
-    loaded, idle = result.sets[set_of_assembly.index], bare.sets[set_of_assembly.index] if bare.converged else None
-    assert loaded.balls is not None
-    assert isinstance(loaded.of.parts, Scene)
-    balls = replace(loaded.balls, model=model)
-    carried = Load(loaded.of.position, tuple(-x for x in loaded.force), tuple(-x for x in loaded.moment))
-    without = balls.with_nan_answers() if idle is None or idle.balls is None else idle.balls
-    return NutOrBearingSolution(balls, replace(without, model=model), seconds, replace(loaded.of.parts, loads=(carried,)))
+    if one.assembly is None:
+        options, start = comparison_options(model, one.scene, one.reference, stores), perf_counter()
+        result = run_model(one.scene, model.name, options)
+        seconds = perf_counter() - start
+        return result, solve_with_scaled_loads(one.scene, 0.0, model.name, options), seconds
+    on_shaft, unloaded, seconds = solve_loaded_and_unloaded(one.assembly, model.name)
+    if not on_shaft.converged:
+        return on_shaft.status
+    balls, idle = (x.sets[one.index].balls if x.converged else None for x in (on_shaft, unloaded))
+    assert balls is not None, "a scene with a reference has balls"
+    balls, idle = (replace(x, model=model.name) for x in (balls, balls.with_nan_answers() if idle is None else idle))
+    return balls, idle, seconds

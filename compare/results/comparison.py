@@ -2,43 +2,135 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import Any, TypeAlias
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
-from rollbench.compare.gate.user import references_from_file, stored_reference_of_nut_or_bearing
-from rollbench.compare.measure import error_percent
-from rollbench.compare.models.comparison import SceneWithReference, models_shown_for_scene, stored_references
+from rollbench.compare.measure import LoadError, error_percent
+from rollbench.compare.models.comparison import ContactSolution, SceneWithReference
 from rollbench.compare.models.load_cases import rating_life_over_duty_cycle
-from rollbench.compare.models.model import Model
 from rollbench.compare.models.model_form import ExpectedError
+from rollbench.compare.models.programs import model_title
+from rollbench.compare.models.registry import DEFAULT
+from rollbench.compare.models.set_results import SetResult, ball_load_summary
+from rollbench.compare.models.stiffness import LoadPointStiffness, place_text
 from rollbench.compare.models.uncertainty import Uncertainty
 from rollbench.compare.quantities import json_number, record_as_json
-from rollbench.compare.reference.jobs import ComputingSettings, ensure_runs_are_stored, plan_reference_tasks
-from rollbench.compare.reference.levels import ADVISED, SOURCE_LEVEL
-from rollbench.compare.reference.store import Run, shipped_store
-from rollbench.compare.reference.tasks import ReferenceTask, Solvable
-from rollbench.compare.results import compared as results_compared
+from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version
-from rollbench.compare.results.compared import ModelLoads, NutOrBearingComparison
+from rollbench.compare.results.rows import nested_records, rows_with_reference
+from rollbench.compare.results.solved import AxialResults
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle, LoadCaseOfDutyCycle, load_cases_by_scene_name
-from rollbench.compare.scenes.scene_file import scenes_to_solve
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.quantity import quantity_field, result_record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 from rollbench.reports.content import Figure, Panel, Series
 
-#: Comparisons, by the name of the load case and the name of the nut or bearing.
-ByCase = Mapping[tuple[str, str], NutOrBearingComparison]
-#: Reference of a nut or bearing, and the comparison of models with it.
-Pair: TypeAlias = tuple[SceneWithReference, NutOrBearingComparison]
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ModelLoads:
+    """Contact loads of a model or of a 3D run, with their errors, and the pressure and life that follow.
+
+    The four columns of arrays are the groove flanks SL, SR, NL, NR (screw or nut, left or right).
+    """
+
+    #: Contact loads and displacements of the model, or of the run of the 3D reference.
+    contact_loads: ContactSolution
+    #: Errors of the contact loads against the reference; None for the reference itself.
+    error: LoadError | None
+    #: Pressure, static safety and life, computed from the contact loads.
+    derived_results: SetResult
+    #: Axial position of the screw's section on which the load acts [m]; without a force, the nut's centre.
+    place: float
+    #: Axial displacement of the screw's section on which the load acts, to ground, from its unloaded position [m]; nan if
+    #: not known.
+    displacement: float
+    #: Axial force of the screw on the nut [N].
+    axial_force: float
+    #: Number of contacts that are loaded in the screw without geometric errors.
+    nominal_contacts: int
+    #: Largest error of a contact load [%] as `rollbench check` defines it (`measure.load_scale_of_check_errors`).
+    gate_error: float = 0.0
+    #: Errors of n balls' loads on the four flanks ``(n, 4)`` [% of the mean contact load of the reference]; None for the
+    #: reference itself.
+    errors: Array | None = None
+
+    @property
+    def name(self) -> str:
+        """Name of the model; ``3D reference``; ``3D level 1`` for a coarser mesh; or the file of a reference."""
+        return self.contact_loads.model
+
+    @property
+    def loads(self) -> Array:
+        """Contact loads of n balls on the four groove flanks ``(n, 4)`` [N]."""
+        return self.contact_loads.load
+
+    @property
+    def angles(self) -> Array:
+        """Contact angles of n balls, from the radial plane ``(n, 4)`` [rad]; nan without contact."""
+        return np.where(self.loads > 0.0, np.radians(self.contact_loads.angle), np.nan)
+
+    @property
+    def L10(self) -> float | None:
+        """Life [revolutions], L10 of a nut, L10r of a bearing; None without loads, and outside the formulas' range."""
+        life = self.derived_results.life_by_loads
+        return None if life is None else 1e6 * life.revolutions
+
+    @property
+    def seconds(self) -> float | None:
+        """Computing time of the model or of the reference [s]; None if not measured."""
+        return self.contact_loads.seconds or None
+
+    @property
+    def measured(self) -> str:
+        """Version of rollbench and computer with which the time was measured; empty for those in use now."""
+        return self.contact_loads.measured
+
+    @property
+    @QuantityDescription(
+        "measured_error_percent",
+        "measured largest error of a contact load, in per cent of the reference's mean load",
+        error="`uncertainty.discretisation_percent`",
+    )
+    def largest_error(self) -> float | None:
+        """Largest absolute error of a contact load [% of the mean contact load]; None for the reference itself."""
+        return None if self.error is None else self.error.max_percent
+
+    @property
+    def rms_error(self) -> float | None:
+        """Root mean square error over the loaded contacts [% of the mean contact load]; None for the reference itself."""
+        return None if self.error is None else self.error.rms_percent
+
+    @property
+    def ball(self) -> int:
+        """Number of the ball with the largest error, from 1; 0 for the reference itself."""
+        return 0 if self.error is None else self.error.ball
+
+    @property
+    def side(self) -> str:
+        """Groove flank with the largest error: SL, SR, NL or NR; empty for the reference itself."""
+        return "" if self.error is None else self.error.side
+
+    def __repr__(self) -> str:
+        """Return a text with the name, and for a model its largest and its root mean square error."""
+        if self.error is None:
+            return self.name
+        return f"{self.name}: largest error {self.largest_error:.2f} % of the mean load, RMS {self.rms_error:.2f} %"
+
+    @property
+    def title(self) -> str:
+        """Name of the model, or of the run of the 3D reference, in tables and sentences."""
+        return model_title(self.contact_loads.model)
+
+    @property
+    def pressure(self) -> float:
+        """Largest contact pressure [Pa]; zero if no contact is loaded."""
+        return 0.0 if self.derived_results.worst is None else self.derived_results.worst.pressure
 
 
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+@result_record(eq=False, repr=False, kw_only=True)
 class Comparison(TabularRecord):
     """Errors of low-order models against a reference.
 
@@ -60,8 +152,44 @@ class Comparison(TabularRecord):
     """Name of the scene; for one of several nuts or bearings, also the name of the nut or bearing."""
     warnings: tuple[str, ...] = ()
     """Warnings, such as unknown columns of a file."""
-    pair: Pair | None = None
-    """Reference, and the comparison of models with it, of a single nut or bearing; None with `sets` or `cases`."""
+    of: SceneWithReference | None = None
+    """Nut or bearing, and its reference; None with `sets` or `cases`."""
+    reference: ModelLoads | None = None
+    """Contact loads of the reference."""
+    models: Mapping[str, ModelLoads] = field(default_factory=dict)
+    """Loads and errors of the models, and of the 3D reference on coarser meshes, by name."""
+    expected_error: ExpectedError | None = quantity_field(
+        "expected_error_percent",
+        "largest error of a contact load that `model_form` estimates for the model",
+        QuantityDescription(
+            "expected_displacement_error_percent",
+            "expected error of the displacement of the load's point, along z",
+            show=lambda expected: expected and expected.displacement,
+        ),
+        QuantityDescription(
+            "expected_rigidity_error_percent",
+            "expected error of the tangent rigidity of the load's point, along z",
+            show=lambda expected: expected and expected.rigidity,
+        ),
+        QuantityDescription(
+            "expected_pressure_error_percent",
+            "expected error of the largest pressure",
+            show=lambda expected: expected and expected.pressure,
+        ),
+        show=lambda expected: expected and expected.loads,
+        default=None,
+    )
+    """Error of the default model (`judged_model`) that was expected from comparisons on other scenes; None if unknown."""
+    uncertainty: Uncertainty | None = quantity_field(
+        "uncertainty_percent",
+        "uncertainty of the reference's most uncertain contact load that is due to its mesh, at 95 % confidence",
+        show=lambda uncertainty: uncertainty and uncertainty.discretisation,
+        default=None,
+    )
+    """Uncertainty of the errors, by its causes: mesh and choices of the reference, inputs of the scene."""
+    unloaded_position: float = 0.0
+    """Axial displacement of the screw without external loads [m], by the default model; displacements under load are
+    measured from it."""
     sets: Mapping[str, Comparison] = field(default_factory=dict)
     """Comparison of each nut or bearing on a shaft with several, by name; empty for a single nut or bearing."""
     cases: Mapping[str, Comparison] = field(default_factory=dict)
@@ -70,52 +198,29 @@ class Comparison(TabularRecord):
     """The compared scene; None in the records for single load cases (`cases`) and for single nuts or bearings (`sets`)."""
 
     @property
-    def compared(self) -> tuple[Pair, ...]:
-        """Reference and comparison of each load case and each nut or bearing."""
-        if self.pair is not None:
-            return (self.pair,)
-        return tuple(pair for one in (*self.cases.values(), *self.sets.values()) for pair in one.compared)
+    def judged_model(self) -> ModelLoads:
+        """Contact loads of the model whose error the verdict states: the default model if compared, else the first one."""
+        return self.models.get(DEFAULT) or next(iter(self.models.values()))
 
     @property
     def verdict(self) -> str:
         """Sentence on the error of the default model; one line for each nut or bearing and each load case."""
-        sentence = results_compared.comparison_verdict_sentence
-        return "\n".join(sentence(whole, one.reference) for one, whole in self.compared)
-
-    @property
-    def reference(self) -> ModelLoads | None:
-        """Contact loads of the reference."""
-        return None if self.pair is None else self.pair[1].reference_loads
-
-    @property
-    def models(self) -> dict[str, ModelLoads]:
-        """Loads and errors of the models, and of the 3D reference on coarser meshes, by name."""
-        return {} if self.pair is None else {one.name: one for one in self.pair[1].models}
+        return "\n".join(map(_verdict_sentence, self._parts().values()))
 
     @property
     def levels(self) -> tuple[int, ...]:
         """Mesh levels of the 3D reference; empty for a user's reference."""
-        return () if self.pair is None else self.pair[0].reference.levels
+        return () if self.of is None else self.of.reference.levels
 
     @property
     def unsettled(self) -> str:
         """Sentence on loads of the 3D reference that had not converged in its iteration on normals and gaps; else empty."""
-        return "" if self.pair is None else self.pair[0].reference.unsettled
+        return "" if self.of is None else self.of.reference.unsettled
 
     @property
     def uncertainties(self) -> Array | None:
         """Uncertainty of each contact load of the reference, (n, 4) [N]."""
-        return None if self.pair is None else self.pair[0].reference.uncertainty
-
-    @property
-    def uncertainty(self) -> Uncertainty | None:
-        """Uncertainty of the errors in the comparison, by its causes."""
-        return None if self.pair is None else self.pair[1].uncertainty
-
-    @property
-    def expected_error(self) -> ExpectedError | None:
-        """Error of the default model that was expected from comparisons on other scenes."""
-        return None if self.pair is None else self.pair[1].expected
+        return None if self.of is None else self.of.reference.uncertainty
 
     @property
     def errors(self) -> dict[str, float]:
@@ -127,15 +232,6 @@ class Comparison(TabularRecord):
         """Computing time of each model [s], by its name; None if not measured."""
         return {name: one.seconds for name, one in self.models.items()}
 
-    def _parts(self) -> dict[str, Comparison]:
-        """Return the comparison of each single nut or bearing, by load case and set; empty if there is only one."""
-        parts = {**self.cases, **self.sets}
-        return {
-            f"{name}, {of}".rstrip(", "): inner
-            for name, one in parts.items()
-            for of, inner in (one._parts() or {"": one}).items()
-        }
-
     def frame_rows(self) -> Sequence[Mapping[str, Any]]:
         """Return a row for each contact that the reference or a model loads; flanks SL, SR, NL, NR.
 
@@ -144,8 +240,8 @@ class Comparison(TabularRecord):
         list
             Row of each line of the frame, by the names of its columns.
         """
-        if parts := self._parts():
-            return [{"of": name, **row} for name, one in parts.items() for row in one.frame_rows()]
+        if self.cases or self.sets:
+            return [{"of": name, **row} for name, one in self._parts().items() for row in one.frame_rows()]
         if self.reference is None:
             return []
         loads = {model: one.loads for model, one in self.models.items()}
@@ -174,7 +270,7 @@ class Comparison(TabularRecord):
         reports.content.Figure or None
             The figure, as the report draws it; None if there is nothing to draw.
         """
-        panels = [p for name, one in (self._parts() or {"": self}).items() for p in one._panels(name)]
+        panels = [p for name, one in self._parts().items() for p in one._panels(name)]
         return Figure("comparison", f"{self.scene}: contact loads of models and reference", panels) if panels else None
 
     def _panels(self, part: str) -> list[Panel]:
@@ -191,7 +287,7 @@ class Comparison(TabularRecord):
                 *(
                     Series(name, balls, one.loads[:, j].tolist(), "line")
                     for name, one in self.models.items()
-                    if "3D" not in name
+                    if not name.startswith("3D")
                 ),
             ]
             title = ", ".join(filter(None, (part, f"flank {SIDES[j]}")))
@@ -206,33 +302,70 @@ class Comparison(TabularRecord):
         dict
             JSON values by key.
         """
-        return add_schema_version(self._json())
+        cases = load_cases_by_scene_name([] if self.described is None else [self.described])
+        results = [one.part_json(cases) | {"models": _models_json(one)} for one in self._parts().values()]
+        if not isinstance(self.described, DutyCycle):
+            return add_schema_version({"scene": self.scene, "sets": results} if self.sets else results[0])
+        summaries = [*self.cycle_summaries()]
+        summary = summaries[0] if len(summaries) == 1 else {row["set"]: row for row in summaries}
+        return add_schema_version({"scene": self.scene, "summary": summary, "cases": results})
 
-    def _json(self) -> dict[str, Any]:
-        """Return the JSON values of the comparison, without the version number of their format."""
-        results = [
-            results_compared.comparison_json(whole, one.reference)
-            | {"models": _models_json(whole)}
-            | scene_and_set_keys(one)
-            for one, whole in self.compared
-        ]
-        if isinstance(self.described, DutyCycle):
-            cases = load_cases_by_scene_name([self.described])
-            names = [one.described_scene_name for one, _ in self.compared]
-            rows = [row | cases[name].identifying_values for row, name in zip(results, names, strict=True)]
-            each = {(one.described_scene_name, one.set_name): whole for one, whole in self.compared}
-            summaries = cycle_summaries_json(self.described, each)
-            summary = summaries[0] if len(summaries) == 1 else {row["set"]: row for row in summaries}
-            return {"scene": self.scene, "summary": summary, "cases": rows}
-        return {"scene": self.scene, "sets": results} if self.sets else results[0]
+    def part_json(self, cases: Mapping[str, LoadCaseOfDutyCycle]) -> dict[str, Any]:
+        """Return the comparison of a single nut or bearing as JSON: verdict, errors, uncertainty and all results.
+
+        ``cases``: load cases by the names of their scenes.
+        """
+        assert self.of is not None
+        assert self.reference is not None
+        error, reference = self.judged_model.error, self.of.reference
+        return {
+            "scene": reference.scene,
+            "verdict": self.verdict,
+            "levels": list(reference.levels),
+            "reference_status": reference.unsettled or "converged",
+            "uncertainty": record_as_json(self.uncertainty),
+            "model": self.judged_model.name,
+            **record_as_json(self),
+            "measured_error_percent": None if error is None else error.max_percent,
+            "answers": {b.name: loads_and_rigidities_json(b) for b in (self.reference, *self.models.values())},
+            **self.identifying_values(cases),
+        }
+
+    def identifying_values(self, cases: Mapping[str, LoadCaseOfDutyCycle]) -> dict[str, Any]:
+        """Return the JSON values that identify one of several nuts or bearings, or of load cases; else empty.
+
+        ``cases``: load cases by the names of their scenes.
+        """
+        assert self.of is not None
+        name = self.of.described_scene.name
+        keys = {} if self.of.assembly is None else {"scene": name, "set": self.of.set_name}
+        return keys | (cases[name].identifying_values if name in cases else {})
+
+    def cycle_summaries(self) -> Iterator[dict[str, Any]]:
+        """Yield for each nut or ball bearing the JSON summary of load errors and lives over all load cases."""
+        assert isinstance(self.described, DutyCycle)
+        for name, parts in self.described.sets.items():
+            if isinstance(parts, Scene):
+                by_case = {case: one.sets.get(name, one) for case, one in self.cases.items()}
+                yield _cycle_summary_of_set(self.described, name, by_case)
+
+    def _parts(self) -> dict[str, Comparison]:
+        """Return the comparison of each nut or bearing, by load case and set; of a single one under an empty name."""
+        return {
+            ", ".join(filter(None, (name, of))): inner
+            for name, one in {**self.cases, **self.sets}.items()
+            for of, inner in one._parts().items()
+        } or {"": self}
 
     @property
     def headings(self) -> Sequence[str]:
         """Headings of the columns of `table`."""
-        return results_compared.model_and_reference_rows(self.compared[0][1])[0]
+        first = next(iter(self._parts().values()))
+        assert first.reference is not None
+        return ("quantity", first.judged_model.title, first.reference.name, "unit", "difference", "expected")
 
     def table(self) -> Sequence[Sequence[str]]:
-        """Return the rows of the table that ``rollbench compare`` prints.
+        """Return the rows of the table that ``rollbench compare`` prints: the default model beside the reference.
 
         Returns
         -------
@@ -240,11 +373,14 @@ class Comparison(TabularRecord):
             The texts of each row, one for each of `headings`. Rows of several load cases, nuts or bearings follow one
             another.
         """
-        return [
-            (", ".join(filter(None, (one.reference.scene * (len(self.compared) > 1), name))), *row)
-            for one, whole in self.compared
-            for name, *row in results_compared.model_and_reference_rows(whole)[1]
-        ]
+        rows, parts = [], self._parts().values()
+        for one in parts:
+            assert one.of is not None
+            assert one.reference is not None
+            model, reference = records_of_loads(one.judged_model), records_of_loads(one.reference)
+            for name, *row in rows_with_reference(model, reference, one.expected_error):
+                rows.append((", ".join(filter(None, (one.of.reference.scene * (len(parts) > 1), name))), *row))
+        return rows
 
     @property
     def _notes(self) -> tuple[str, ...]:
@@ -258,45 +394,7 @@ class Comparison(TabularRecord):
         return "\n".join([f"{self.scene}: {self.verdict}", *map(repr, self.models.values())])
 
 
-def make_comparison(described: Described, pairs: Sequence[Pair], warnings: Sequence[str]) -> Comparison:
-    """Combine the comparisons of a scene's load cases, nuts and bearings into one record.
-
-    Parameters
-    ----------
-    described
-        The scene.
-    pairs
-        Reference and comparison of each load case and each nut or bearing.
-    warnings
-        Warnings to the user, such as unknown columns of a reference file.
-
-    Returns
-    -------
-    Comparison
-        The combined record.
-    """
-    if not isinstance(described, DutyCycle):
-        return _comparison_of_scene(described.name, pairs, described, warnings)
-    by_case = {case.name: [x for x in pairs if x[0].described_scene_name == case.scene.name] for case in described.cases}
-    cases = {name: _comparison_of_scene(name, its) for name, its in by_case.items()}
-    return Comparison(scene=described.name, described=described, warnings=tuple(warnings), cases=cases)
-
-
-def _comparison_of_scene(
-    name: str, pairs: Sequence[Pair], described: Described | None = None, warnings: Sequence[str] = ()
-) -> Comparison:
-    """Combine the comparisons of all nuts and bearings of a scene under one load case into one record.
-
-    ``name``: name of the scene or load case. ``pairs``: reference and comparison of each nut or bearing. ``described``: the
-    scene to be kept in the record; None if the record is for one of several load cases.
-    """
-    whole = Comparison(scene=name, described=described, warnings=tuple(warnings))
-    if pairs[0][0].place_on_shaft is None:
-        return replace(whole, pair=pairs[0])
-    return replace(whole, sets={x[0].set_name: Comparison(scene=x[0].reference.scene, pair=x) for x in pairs})
-
-
-def _models_json(comparison: NutOrBearingComparison) -> dict[str, Any]:
+def _models_json(comparison: Comparison) -> dict[str, Any]:
     """Return errors, largest load and pressure, and displacement of each compared model as JSON, by the model's name."""
     return {
         b.name: {
@@ -306,222 +404,85 @@ def _models_json(comparison: NutOrBearingComparison) -> dict[str, Any]:
             "pressure_MPa": 1e-6 * b.pressure,
             "displacement_um": json_number(1e6 * b.displacement),
         }
-        for b in comparison.models
+        for b in comparison.models.values()
     }
 
 
-@dataclass(frozen=True)
-class ComparisonInput:
-    """Input of a comparison: scenes, their references and the models to compare; its method computes the comparisons."""
-
-    scenes: Sequence[Solvable]
-    """Scenes with one load case each."""
-    references: Sequence[Sequence[SceneWithReference]]
-    """References of each of `scenes`, one for each nut or bearing."""
-    models: Sequence[Model]
-    """Models to compare; if empty, all models that suit each scene."""
-    stores: Sequence[Path]
-    """Folders with runs of the 3D reference."""
-    failed_runs: Sequence[Run]
-    """Runs of the 3D reference that did not converge."""
-    warnings: Sequence[str]
-    """Warnings from reading a reference file."""
-    from_user_file: bool
-    """Whether the references come from a file of the user, not from the 3D reference."""
-
-    def compare_each(self) -> Iterator[Pair]:
-        """Yield the comparison of the models with each reference, one nut or bearing after the other.
-
-        Stored runs of the 3D reference are compared with a user's reference, too.
-
-        Yields
-        ------
-        tuple
-            Reference of a nut or bearing, and the comparison with it.
-
-        Raises
-        ------
-        SceneNotCoveredError
-            If a scene has no reference.
-        """
-        for scene, sets in zip(self.scenes, self.references, strict=True):
-            if not sets:
-                raise error_for_unconverged_reference(scene.name, self.failed_runs)
-            models = self.models or models_shown_for_scene(scene)
-            for one in sets:
-                ours = stored_reference_of_nut_or_bearing(one, self.stores) if self.from_user_file else None
-                given = (one.scene, models, one.reference, self.stores, one.place_on_shaft, ours)
-                yield one, results_compared.compare_models_with_reference(*given)
+#: Keys of the results of a nut or bearing that follow from its contact loads alone.
+OF_LOADS = (
+    "worst_contact",
+    "static_safety",
+    "truncation",
+    "life",
+    "ratings",
+    "rating_refused",
+    "modified_life",
+    "reference_life",
+    "life_words",
+)
 
 
-def prepare_comparison(
-    described: Sequence[Described],
-    origins: Sequence[str],
-    models: Sequence[Model],
-    engine: ComputingSettings,
-    step: Callable[[str], None],
-    *,
-    store: Path,
-    levels: Sequence[int] | None = None,
-    otherwise: Sequence[int] = ADVISED,
-    fresh: bool = False,
-    reference: Path | None = None,
-) -> ComparisonInput:
-    """Look up the references of scenes and their load cases, and compute missing runs of the 3D reference.
+def records_of_loads(one: ModelLoads) -> dict[str, Any]:
+    """Return the records of contact loads, rigidity, pressure and life of a model or of the 3D reference by their keys.
 
-    Parameters
-    ----------
-    described
-        The scenes.
-    origins
-        File or name of each scene, for error messages.
-    models
-        Models to compare; if empty, all models that suit each scene.
-    engine
-        Settings that determine where runs of the 3D reference are computed.
-    step
-        Function that is called with each line of progress, such as the errors against the coarsest mesh level while finer
-        levels are computed.
-    store
-        Folder in which runs are looked up and stored, in addition to the runs shipped with rollbench.
-    levels
-        Mesh levels to compute unless they are stored; None: use the best stored run.
-    otherwise
-        Mesh levels to compute if ``levels`` is None and no run is stored.
-    fresh
-        Whether stored runs are computed again.
-    reference
-        File with contact loads that replace the 3D reference.
-
-    Returns
-    -------
-    ComparisonInput
-        Scenes and references; the method `compare_each` of this record computes the comparisons.
-
-    Raises
-    ------
-    rollbench.InputError
-        If a scene or file cannot be used.
+    ``one``: the contact loads, from which the other values follow.
     """
-    scenes: list[Solvable] = [x for one, name in zip(described, origins, strict=True) for x in scenes_to_solve(one, name)]
-    stores, warnings = (store, shipped_store()), list[str]()
-    if reference is not None:
-        names = {name: case.load_case.name for name, case in load_cases_by_scene_name(described).items()}
-        given = read_user_references(scenes, reference, names, warnings)
-        return ComparisonInput(scenes, given, models, stores, (), warnings, from_user_file=True)
-    without = [s for s in scenes if not stored_references(s, stores)] if levels is None and not fresh else scenes
-    failed: list[Run] = []
-    if without:
-        wanted = levels or otherwise
+    force, moved = one.axial_force, one.displacement
+    secant = force / moved if moved * force > 0.0 else None
+    return {
+        "loads": ball_load_summary(one.contact_loads.load, one.nominal_contacts),
+        "axial": AxialResults(force),
+        "load_point": LoadPointStiffness(place_text(one.place), "z", force, moved, secant, None),
+        **{key: record for key, record in nested_records(one.derived_results).items() if key in OF_LOADS},
+    }
 
-        def report_errors_on_coarsest_level(task: ReferenceTask) -> None:
-            """Report a model's load errors against the coarsest mesh of the 3D reference, once ``task`` has computed it."""
-            for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
-                first = (models or models_shown_for_scene(scene))[:1]
-                for one in stored_references(scene, (store,), (task.level,)):
-                    given = (one.scene, first, one.reference, stores, one.place_on_shaft)
-                    whole = results_compared.compare_models_with_reference(*given)
-                    verdict = results_compared.comparison_verdict_sentence(whole, one.reference)
-                    step(f"{one.reference.scene}, against mesh level {task.level} only: {verdict}")
 
-        levels_to_compute, with_source_mesh = [k for k in wanted if k != SOURCE_LEVEL], SOURCE_LEVEL in wanted
-        tasks = plan_reference_tasks(without, levels_to_compute, with_source_mesh=with_source_mesh)
-        report = report_errors_on_coarsest_level
-        failed = ensure_runs_are_stored(
-            tasks, store, engine, step, stores, compute_again=fresh, after_each_stored_task=report
+def loads_and_rigidities_json(one: ModelLoads) -> dict[str, Any]:
+    """Return contact loads, rigidity, pressure and life of a model or of the 3D reference as JSON.
+
+    ``one``: the contact loads, from which the other values follow. Forces are in N, displacements in um,
+    rigidities in N/um.
+    """
+    data = {key: record_as_json(record) for key, record in records_of_loads(one).items()}
+    del data["load_point"]["tangent_N_per_um"]
+    ratings = record_as_json(one.derived_results)
+    return data | {key: ratings[key] for key in OF_LOADS}
+
+
+def reference_uncertainty_text(reference: Reference, total: Uncertainty) -> str:
+    """Return a phrase on the numerical uncertainty and mesh levels of the reference, and on the input uncertainty.
+
+    The error of a model is judged by the numerical uncertainty: model and reference have the same inputs. ``total``:
+    uncertainty of the comparison. For a reference from a user's file, the text is what the file states.
+    """
+    if reference.stated:
+        return total.stated
+    levels = ", ".join(str(run.level) for run in reference.runs)
+    rest = f"; {reference.unsettled}, which is included" if reference.unsettled else ""
+    of = f"3D reference on mesh level{'s' * (len(reference.runs) > 1)} {levels}{rest}"
+    inputs = "" if total.inputs is None else f"; input uncertainty (tolerances) {total.inputs:.2f} %"
+    return f"numerical uncertainty (mesh) {total.discretisation:.2f} % of the mean load ({of}){inputs}"
+
+
+def _verdict_sentence(compared: Comparison) -> str:
+    """Return one sentence on a comparison: measured and expected error of one model, and uncertainty of the reference.
+
+    The model is the default model or, if that was not compared, the first one.
+    """
+    assert compared.of is not None
+    assert compared.uncertainty is not None
+    model, expected, e = compared.judged_model, compared.expected_error, compared.judged_model.error
+    phrases = []
+    if e is not None:
+        where = f" (ball {e.ball} {e.side})" if e.ball else ""
+        phrases.append(
+            f"error of {model.title}: {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
+            f"{e.rms_percent:.2f} % RMS, {model.gate_error:.2f} % as judged by rollbench check"
         )
-    references = [stored_references(scene, stores) for scene in scenes]
-    return ComparisonInput(scenes, references, models, stores, failed, warnings, from_user_file=False)
-
-
-def error_for_unconverged_reference(name: str, failed: Sequence[Run]) -> SceneNotCoveredError:
-    """Return the error to raise for a scene of which no run of the 3D reference converged.
-
-    Parameters
-    ----------
-    name
-        Name of the scene.
-    failed
-        Runs that did not converge.
-
-    Returns
-    -------
-    SceneNotCoveredError
-        Error that names the status of each run of the scene.
-    """
-    why = [f"level {run.level}: {run.status}" for run in failed if run.scene == name]
-    reason = f"no run of the 3D reference converged ({'; '.join(why)})" if why else "no converged run of the 3D reference"
-    advice = "correct the scene as the status of the runs suggests, or solve it with a low-order model"
-    return SceneNotCoveredError(name, "3D reference", reason, advice)
-
-
-def read_user_references(
-    scenes: Sequence[Solvable], path: Path, cases: Mapping[str, str], warnings: list[str]
-) -> list[list[SceneWithReference]]:
-    """Read a user's file with reference loads of one scene or of its load cases.
-
-    Parameters
-    ----------
-    scenes
-        One scene, or the scenes of its load cases.
-    path
-        File with contact loads.
-    cases
-        Name of the load case, by the name of its scene.
-    warnings
-        List to which warnings are added.
-
-    Returns
-    -------
-    list[list[SceneWithReference]]
-        References of each load case, one for each nut or bearing.
-
-    Raises
-    ------
-    rollbench.InputError
-        If the scenes are not load cases of one scene, or the file cannot be used.
-    """
-    if len(scenes) != 1 and len(cases) != len(scenes):
-        advice = "compare the scenes one by one, each with its own file"
-        raise ArgumentError("reference", f"{path} for {len(scenes)} scenes", "a file for one scene", advice)
-    warned: dict[str, None] = {}
-    references = [references_from_file(path, scene, warned.setdefault, case=cases.get(scene.name)) for scene in scenes]
-    warnings += warned
-    return references
-
-
-def scene_and_set_keys(referenced: SceneWithReference) -> dict[str, str]:
-    """Return a JSON object that names the compared nut or bearing: its scene (key "scene") and its name (key "set").
-
-    Parameters
-    ----------
-    referenced
-        Reference of the nut or bearing.
-
-    Returns
-    -------
-    dict
-        Names of the scene and of the nut or bearing; empty if the scene has only one.
-    """
-    if referenced.place_on_shaft is None:
-        return {}
-    return {"scene": referenced.described_scene_name, "set": referenced.set_name}
-
-
-def distinct_duty_cycles(cases: Mapping[str, LoadCaseOfDutyCycle]) -> Iterable[DutyCycle]:
-    """Return the duty cycles to which the given load cases belong.
-
-    Parameters
-    ----------
-    cases
-        Load cases, by the names of their scenes.
-
-    Returns
-    -------
-    Iterable[DutyCycle]
-        The duty cycles, each of them once.
-    """
-    return {case.duty_cycle.name: case.duty_cycle for case in cases.values()}.values()
+    if expected is not None:
+        percent = "not covered by earlier comparisons" if expected.loads is None else f"{expected.loads:.2f} %"
+        phrases.append(f"expected error: {percent}")
+    return "; ".join(filter(None, [*phrases, reference_uncertainty_text(compared.of.reference, compared.uncertainty)]))
 
 
 @result_record
@@ -545,40 +506,20 @@ class CycleSummary:
     )
 
 
-def cycle_summaries_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]:
-    """Summarise a comparison of models with the reference over all load cases of a duty cycle.
-
-    Parameters
-    ----------
-    cycle
-        The duty cycle.
-    each
-        Comparisons, by the name of the load case and the name of the nut or bearing.
-
-    Returns
-    -------
-    list[dict[str, Any]]
-        For each nut or ball bearing: the largest error of the default model, the load case in which it occurs, and the life
-        [10^6 revolutions] from the loads of each model and of the reference. The life is None if a load case has no loads.
-    """
-    return [_cycle_summary_of_set(cycle, name, each) for name, parts in cycle.sets.items() if isinstance(parts, Scene)]
-
-
-def _cycle_summary_of_set(cycle: DutyCycle, name: str, each: ByCase) -> dict[str, Any]:
+def _cycle_summary_of_set(cycle: DutyCycle, name: str, by_case: Mapping[str, Comparison]) -> dict[str, Any]:
     """Return a JSON summary of load errors and lives over all load cases, for the nut or bearing called ``name``.
 
     The load error stated is the one of the default model or, if that model was not compared, of the first model; the lives
-    [10^6 revolutions] are those of all models and of the 3D reference.
+    [10^6 revolutions] are those of all models and of the 3D reference, None if a load case has no loads.
 
-    ``each``: comparisons, by the name of the load case and the name of the nut or bearing.
+    ``by_case``: comparison of the nut or bearing in each load case, by the name of the case.
     """
-    by_case = [(case, each[case.scene.name, name]) for case in cycle.cases]
-    first, judged = by_case[0][1], [(whole.judged_model.error, case.name) for case, whole in by_case]
-    error, worst = max(((e.max_percent, case) for e, case in judged if e is not None), default=(None, None))
+    first, errors = next(iter(by_case.values())), [(one.judged_model.error, case) for case, one in by_case.items()]
+    error, worst = max(((e.max_percent, case) for e, case in errors if e is not None), default=(None, None))
     lives = {}
-    for label in ("3D reference", *(b.name for b in first.models)):
-        of_case = [{b.name: b for b in (whole.reference_loads, *whole.models)}.get(label) for _, whole in by_case]
-        rated, _ = rating_life_over_duty_cycle(cycle, name, [None if b is None else b.contact_loads.load for b in of_case])
+    for label in ("3D reference", *first.models):
+        of_case = [{"3D reference": one.reference, **one.models}.get(label) for one in by_case.values()]
+        rated, _ = rating_life_over_duty_cycle(cycle, name, [None if b is None else b.loads for b in of_case])
         lives[label] = None if rated is None else json_number(rated.revolutions)
     predicted, reference = lives[first.judged_model.name], lives["3D reference"]
     off = None if predicted is None or reference is None else float(error_percent(predicted, reference))

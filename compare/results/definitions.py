@@ -131,8 +131,8 @@ TABLES = (
         "cent of the reference's mean load unless a name says otherwise.",
         (
             ("model_form.", "compare.models.model_form:ExpectedError"),
-            ("", "compare.results.compared:ModelLoads"),
-            ("", "compare.results.compared:NutOrBearingComparison"),
+            ("", "compare.results.comparison:ModelLoads"),
+            ("", "compare.results.comparison:Comparison"),
             ("uncertainty.", "compare.models.uncertainty:Uncertainty"),
             ("verdicts[].", "compare.gate.verdict:VerdictRow"),
         ),

@@ -20,7 +20,7 @@ from rollbench.compare.reference.convergence import grid_convergence, pooled_gri
 from rollbench.compare.reference.levels import ADVISED, LEVELS, VARIANTS
 from rollbench.compare.reference.store import Run, load_stored_run, shipped_store, shows_times_of
 from rollbench.compare.reference.tasks import ReferenceTask, Solvable
-from rollbench.compare.results.comparison import error_for_unconverged_reference
+from rollbench.compare.results.comparing import error_for_unconverged_reference
 from rollbench.compare.results.mesh_study import MeshLevel, MeshQuantity, MeshStudy
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.meshes.axis import Assembly
@@ -279,7 +279,7 @@ def mesh_study_table_of_bearing(
     ``referenced``: nut or bearing with its 3D reference; ``stores``: folders with solutions; ``levels``: mesh levels. The
     effects of modelling choices are left out if the nut or bearing is one of several on a shaft.
     """
-    if referenced.place_on_shaft is None:
+    if referenced.assembly is None:
         return mesh_study_table_of_scene(referenced.scene, stores, levels)
     return mesh_study_table_of_reference(referenced.reference, None, {})
 
@@ -385,7 +385,7 @@ def mesh_study_of_reference(referenced: SceneWithReference, stores: Sequence[Pat
     ``referenced``: nut or bearing with its 3D reference; ``stores``: folders with solutions; ``levels``: mesh levels.
     """
     return MeshStudy(
-        scene=referenced.described_scene_name,
+        scene=referenced.described_scene.name,
         set=referenced.set_name,
         levels=tuple(mesh_levels_of_reference(referenced.reference)),
         quantities=tuple(mesh_study_table_of_bearing(referenced, stores, levels)),

@@ -9,13 +9,14 @@ import pytest
 
 from rollbench.compare.commands import compare as output
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.comparison import ContactSolution, comparison_options
+from rollbench.compare.models.comparison import ContactSolution, SceneWithReference, comparison_options
 from rollbench.compare.models.model_form import estimate_model_error, model_errors_on_compared_scenes
 from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.compare.models.uncertainty import Uncertainty
 from rollbench.compare.reference import store
 from rollbench.compare.reference.estimate import MeshUncertainty, Reference, reference_of_scene
-from rollbench.compare.results import compared as found_by
+from rollbench.compare.results import comparing
+from rollbench.compare.results.comparison import Comparison
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating.rigidity import axial_force
 
@@ -39,16 +40,19 @@ def test_a_contact_of_nearly_nothing_does_not_head_the_comparison(case) -> None:
     scene, answer, found = case
     small = found.load.copy()
     small[0, 0], answer.load[0, 0] = 0.01, 0.1
-    one = found_by.compare_loads_with_reference(scene, answer, replace(found, load=small))
-    text = found_by.comparison_verdict_sentence(found_by.NutOrBearingComparison((one,), one, None, TOTAL), found)
+    one = comparing.compare_loads_with_reference(scene, answer, replace(found, load=small))
+    of = SceneWithReference(scene, found)
+    text = Comparison(scene=scene.name, of=of, reference=one, models={"refined": one}, uncertainty=TOTAL).verdict
     assert one.error.own_max_percent > 800.0
     assert ", 1.00 % as judged by rollbench check" in text
 
 
 def test_every_contact_is_written_beside_its_reference(case, tmp_path) -> None:
     scene, answer, found = case
-    models = [found_by.compare_loads_with_reference(scene, answer, found)]
-    said = output.write_contact_loads(scene, models, found, tmp_path)
+    models = {"refined": comparing.compare_loads_with_reference(scene, answer, found)}
+    exact = comparing.compare_loads_with_reference(scene, replace(answer, model="3D reference", load=found.load), None)
+    whole = Comparison(scene=scene.name, of=SceneWithReference(scene, found), reference=exact, models=models)
+    said = output.write_contact_loads(whole, tmp_path / "lin-case1-compare")
     rows = list(csv.DictReader((tmp_path / "lin-case1-compare.csv").read_text().splitlines()))
     assert len(rows) == 2 * scene.ball_count
     assert float(rows[0]["refined_N"]) == pytest.approx(1.01 * float(rows[0]["reference_N"]))
@@ -61,20 +65,22 @@ def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path) ->
     scene, stores = catalogue.scene("unseen-short-nut"), (tmp_path, store.shipped_store())
     found = reference_of_scene(scene, stores)
     models = [MODELS["refined"], MODELS["condensed"]]
-    whole = found_by.compare_models_with_reference(scene, models, found, stores)
-    refined, condensed = whole.models[:2]
+    whole = comparing.compare_models_with_reference(SceneWithReference(scene, found), models, stores)
+    refined, condensed = whole.models["refined"], whole.models["condensed"]
     result = run_model(scene, "refined")
     assert refined.axial_force == pytest.approx(axial_force(result), rel=1e-6)
     wanted = estimate_model_error(scene, result, [p for p in model_errors_on_compared_scenes() if p.scene != scene.name])
-    assert (whole.expected.loads, whole.expected.distance) == pytest.approx((wanted.loads, wanted.distance), rel=1e-9)
-    assert whole.expected.distance > estimate_model_error(scene, result).distance, "not expected of itself"
-    said = found_by.comparison_verdict_sentence(whole, found)
-    assert f"expected error: {whole.expected.loads:.2f} %" in said
+    assert (whole.expected_error.loads, whole.expected_error.distance) == pytest.approx(
+        (wanted.loads, wanted.distance), rel=1e-9
+    )
+    assert whole.expected_error.distance > estimate_model_error(scene, result).distance, "not expected of itself"
+    said = whole.verdict
+    assert f"expected error: {whole.expected_error.loads:.2f} %" in said
     assert f"numerical uncertainty (mesh) {whole.uncertainty.discretisation:.2f} % of the mean load" in said
     assert f"input uncertainty (tolerances) {whole.uncertainty.inputs:.2f} %" in said
     assert whole.uncertainty.choices_varied_on == "lin-case3", "not varied on these parts"
     assert condensed.error.max_percent < 0.5 * refined.error.max_percent
-    assert whole.reference_loads.displacement == pytest.approx(condensed.displacement, rel=0.01)
+    assert whole.reference.displacement == pytest.approx(condensed.displacement, rel=0.01)
 
 
 def test_bodies_that_no_store_has_are_asked_for(tmp_path) -> None:

@@ -15,6 +15,7 @@ from tests.slow import all_slow_but
 
 from rollbench.compare.commands.solve import SolveOptions, dmig_text, exit_code_of_solutions, matrix_market_text
 from rollbench.compare.models.answers import tangent_stiffness_at
+from rollbench.compare.models.comparison import SceneWithReference
 from rollbench.compare.models.loading import (
     LiftOff,
     SolutionsByLoad,
@@ -28,7 +29,7 @@ from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.compare.reference.estimate import reference_of_scene
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.results.compared import compare_models_with_reference
+from rollbench.compare.results.comparing import compare_models_with_reference
 from rollbench.compare.results.friction import Friction
 from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.scenes import catalogue
@@ -263,11 +264,11 @@ def test_a_modulus_of_no_solid_is_refused_unless_it_is_meant(scene_file, command
 
 def test_compare_counts_displacements_from_where_solve_does() -> None:
     scene, stores = catalogue.scene("lin-case3"), (shipped_store(),)
-    whole = compare_models_with_reference(scene, [MODELS["lin"]], reference_of_scene(scene, stores), stores)
+    one = SceneWithReference(scene, reference_of_scene(scene, stores))
+    whole = compare_models_with_reference(one, [MODELS["lin"]], stores)
     solved = solve_with_results(scene, "lin", QUIET)
-    (row,) = (b for b in whole.models if b.name == "lin")
-    assert row.displacement == pytest.approx(solved.displacement[2], rel=1e-9)
+    assert whole.models["lin"].displacement == pytest.approx(solved.displacement[2], rel=1e-9)
     assert whole.unloaded_position != 0.0
-    loads = whole.reference_loads
+    loads = whole.reference
     bare = np.interp(scene.loads[0].at, loads.contact_loads.stations, loads.contact_loads.line[:, 2])
     assert loads.displacement == pytest.approx(bare - whole.unloaded_position, rel=1e-12)

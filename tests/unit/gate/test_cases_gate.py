@@ -263,7 +263,7 @@ def test_references_of_sets_are_parts_of_one_run():
     run = load_stored_run(scene, 1, stores=(shipped_store(),))
     sets = references.stored_references(scene, (shipped_store(),), (1,))
     assert max(run.balance, run.screw_balance) < 1e-9
-    assert [one.place_on_shaft.name for one in sets] == NUTS
+    assert [one.set_name for one in sets] == NUTS
     for one, place in zip(sets, ball_slices_by_set(scene), strict=True):
         np.testing.assert_array_equal(one.reference.load, run.load[place])
     along = np.where(run.load > 0.0, run.load * np.sin(np.radians(run.angle)), 0.0).sum(axis=0)

@@ -18,8 +18,8 @@ from rollbench.compare.reference.estimate import reference_from_runs
 from rollbench.compare.reference.jobs import check_memory, expected_time_and_memory
 from rollbench.compare.reference.store import Run, load_stored_run, path_of_bodies, path_of_run, save_run, shipped_store
 from rollbench.compare.reference.tasks import ReferenceTask
-from rollbench.compare.results.compared import reference_uncertainty_text
-from rollbench.compare.results.comparison import error_for_unconverged_reference
+from rollbench.compare.results.comparing import error_for_unconverged_reference
+from rollbench.compare.results.comparison import reference_uncertainty_text
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.condensed import CondensedBodies
 

@@ -89,7 +89,9 @@ def test_an_unnamed_exceedance_fails_and_one_that_got_better_is_named(monkeypatc
 
 def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     found = reference_of_scene(CASE1)
-    solution = comparison.solution_from_result(comparison.solve_and_time(MODELS["lin"], CASE1, found, None)[0])
+    solution = comparison.solution_from_result(
+        comparison.solve_nut_or_bearing(comparison.SceneWithReference(CASE1, found), MODELS["lin"], None)[0]
+    )
     of_lin = comparison.comparison_rows(CASE1, solution, found)
     assert all(r.reference_error is not None for r in of_lin), "every comparison carries the reference's error bar"
     for quantity, most in (("load", 10.0), ("contact angle", 0.3)):
