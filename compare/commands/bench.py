@@ -62,7 +62,7 @@ def measure_release(store: Path) -> CommandOutput:
     from rollbench.compare.models.study import SceneResultCache
     from rollbench.compare.reference.store import measuring_conditions, shipped_store
     from rollbench.compare.sections.reference_time import command_time_jobs, time_jobs
-    from rollbench.compare.studies.run_times import RunTimeRow, measure_and_store
+    from rollbench.compare.studies.run_times import ColdLevelTime, CommandTime, RunTime, RunTimeRow, measure_and_store
     from rollbench.compare.studies.survey_models import errors_and_times, time_models_and_levels_on_screws
 
     study = SceneResultCache((store, shipped_store()))
@@ -71,12 +71,12 @@ def measure_release(store: Path) -> CommandOutput:
     note = "new process, empty caches; a further load case {:.3g} s"
     rows = [
         RunTimeRow(f"{scene}: {way}", t.cold, None, None, t.memory, None, note.format(t.warm))
-        for (scene, way), t in kept.times_by_scene_and_model.items()
+        for (scene, way), t in kept.of_kind(RunTime).items()
     ]
-    for one in kept.mesh_level_times:
+    for one in kept.of_kind(ColdLevelTime).values():
         further = note.format(one.load_case or 0.0)
         rows.append(RunTimeRow(f"{one.scene}: 3D level {one.level}", one.process, None, None, one.memory, None, further))
-    rows += [command.job for command in kept.command_times]
+    rows += [command.job for command in kept.of_kind(CommandTime).values()]
     for s in errors_and_times(time_models_and_levels_on_screws(store, show_progress_message).runs):
         error = float(median(s.gate_errors)) if s.gate_errors.size else None
         further = f"medians, against {s.judge}; processor time of one core; a further load case "

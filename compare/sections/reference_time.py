@@ -43,6 +43,8 @@ WORK = {
     "elimination": "CPU time of the elimination of unknowns inside the bodies",
     "dense": "CPU time of the dense matrix algebra in the elimination of interior unknowns",
 }
+#: Columns of the table of cheaper set-ups, and names of their values.
+WAYS = {"scene": "scene", "set_up_variant": "way", "cpu_time_saved": "saved", "largest_change_f4": "moved"}
 #: Scenes with many contacts on which mesh level 1 is timed, for its memory.
 LARGE = ("unseen-40x10", "unseen-25x5")
 #: Largest number of panels in one figure.
@@ -250,17 +252,15 @@ def error_and_time_points(
     """
     kept, out = cache.compute_once(run_times_to_show, step), []
     for model, bodies in models_with_body_files(scene_name, scene_reference, cache):
-        known = None if kept is None else kept.times_by_scene_and_model.get((scene_name, model.name))
+        known = None if kept is None else kept.times.get((scene_name, model.name))
         result = _solve_scene(scene_name, model, cache, bodies)
         errors = errors_against_reference(result.load, scene_reference)
         costs: dict[str, Any] = {name: getattr(known, name, None) for name in ("cold", "warm", "memory")}
         costs |= {"unknowns": result.solver.unknowns, "status": result.status}
         out.append(ErrorAndRunTime(model.label, "model", **errors, **costs, name=model.name))
     for run in stored_reference_runs(scene_name, scene_reference, cache):
-        cold, warm = None, None
-        for level in () if kept is None else kept.mesh_level_times:
-            if (level.scene, level.level) == (scene_name, run.level):
-                cold, warm = level.process, level.load_case
+        time = None if kept is None else kept.of_kind(timing.ColdLevelTime).get((scene_name, run.level))
+        cold, warm = (None, None) if time is None else (time.process, time.load_case)
         costs = {"cold": cold, "warm": warm, "unknowns": run.unknowns, "memory": run.peak_MB, "status": run.status}
         costs |= errors_against_reference(run.load, scene_reference)
         if run.level == SOURCE_LEVEL:
@@ -343,7 +343,7 @@ def command_time_table(run_times: timing.StoredRunTimes) -> Table:
             "cpu_time_beside": c.beside_cpu,
             "measurement_note": c.note,
         }
-        for c in run_times.command_times
+        for c in run_times.of_kind(timing.CommandTime).values()
     ]
     note = (
         f"Each command is run as typed, without a set number of threads, in a home directory without any cache; rollbench "
@@ -372,7 +372,7 @@ def cold_start_time_table_of_mesh_levels(run_times: timing.StoredRunTimes) -> Ta
             "memory": c.memory,
             "status": c.status,
         }
-        for c in run_times.mesh_level_times
+        for c in run_times.of_kind(timing.ColdLevelTime).values()
     ]
     note = (
         "Each level is computed in a separate process on all cores, from the start of the interpreter to the loads, "
@@ -383,36 +383,27 @@ def cold_start_time_table_of_mesh_levels(run_times: timing.StoredRunTimes) -> Ta
     return Table.from_rows("reference-levels-cold", title, rows, note)
 
 
-def set_up_time_tables(costs: timing.SetUpCosts) -> list[Table]:
+def set_up_time_tables(costs: Mapping[str, Any]) -> list[Table]:
     """Return tables on the set-up of the 3D reference: processor time of each stage, and rejected faster variants.
 
-    ``costs``: measured processor times and, for each faster variant, the saved time and the change of contact loads.
+    ``costs``: measured processor times and, for each faster variant, the saved time and the change of contact loads, as
+    `compare.studies.run_times.load_set_up_costs` returns them.
     """
-    measured = (
-        f"Measured with {store.MeasuringConditions(costs.version, machine=costs.machine)}, {costs.date}, by "
-        "tests/set_up_costs.py."
-    )
-    rows: list[Row] = [
-        {
-            "scene": job.scene,
-            "level": job.level,
-            "contacts": job.contacts,
-            "stage": stage,
-            **{("work_time", words): spent.get(kind, 0.0) for kind, words in WORK.items()},
-        }
-        for job in costs.jobs
-        for stage, spent in (*job.stages.items(), ("all", {kind: job.processor_time_of_work(kind) for kind in WORK}))
-    ]
-    halves = ((job, job.processor_time_of_work("all") / 2.0) for job in costs.jobs)
-    floors = ", ".join(f"{seconds:.1f} s ({job.scene}, level {job.level})" for job, seconds in halves)
+    conditions = store.MeasuringConditions(costs["version"], machine=costs["machine"])
+    measured = f"Measured with {conditions}, {costs['date']}, by tests/set_up_costs.py."
+    rows, floors = list[Row](), list[str]()
+    for job in costs["jobs"]:
+        whole = {kind: sum(spent.get(kind, 0.0) for spent in job["stages"].values()) for kind in WORK}
+        floors.append(f"{whole['all'] / 2.0:.1f} s ({job['scene']}, level {job['level']})")
+        for stage, spent in (*job["stages"].items(), ("all", whole)):
+            row: Row = {key: job[key] for key in ("scene", "level", "contacts")} | {"stage": stage}
+            rows.append(row | {("work_time", words): spent.get(kind, 0.0) for kind, words in WORK.items()})
     note = (
         "One process with one thread, without start and imports. The work of elimination is determined by the meshes; its "
-        f"dense algebra runs in LAPACK. Two cores that never wait for each other need at least {floors}. {measured}"
+        "dense algebra runs in LAPACK. Two cores that never wait for each other need at least "
+        f"{', '.join(floors)}. {measured}"
     )
-    ways: list[Row] = [
-        {"scene": way.scene, "set_up_variant": way.way, "cpu_time_saved": way.saved, "largest_change_f4": way.moved}
-        for way in costs.ways
-    ]
+    ways: list[Row] = [{key: way[name] for key, name in WAYS.items()} for way in costs["ways"]]
     tried = (
         "Faster variants of the set-up that were tried on level 1 and rejected. A variant may change a load by at most "
         "0.001 % of the mean load, because stored runs must remain valid. The variant with a library of patches "

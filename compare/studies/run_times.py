@@ -24,13 +24,15 @@ from functools import partial
 from pathlib import Path
 from statistics import median
 from time import perf_counter, time
-from typing import Any
+from typing import Any, TypeVar
 
 from rollbench.compare.files import read_from_first_valid_folder, replace_file
 from rollbench.compare.reference.store import UNMEASURED, MeasuringConditions, shows_times_of
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.compare.studies.members.ensemble import solve_random_draws
 from rollbench.meshes.processes import VARIABLES
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -54,14 +56,6 @@ class RunTimeRow:
     note: str = ""
 
 
-def environment_for_timed_process(extra: dict[str, str]) -> dict[str, str]:
-    """Return the environment variables for a timed process: those of this process, but none that set thread counts.
-
-    ``extra``: further environment variables by name, which are added.
-    """
-    return {name: value for name, value in os.environ.items() if name not in VARIABLES} | extra
-
-
 @dataclass(frozen=True)
 class TimedProcess:
     """Times, exit code and printed output of a process that has ended."""
@@ -77,15 +71,21 @@ class TimedProcess:
     #: Output and error messages, in the order of a terminal.
     printed_output: str
 
+    @property
+    def last_line(self) -> str:
+        """Last line of the output."""
+        return next(iter(self.printed_output.strip().splitlines()[-1:]), "no message")
+
 
 def run_timed_python_process(arguments: list[str], extra_environment: dict[str, str], folder: str) -> TimedProcess:
     """Run a Python process as a user would start it on a terminal, and return its times, exit code and output.
 
     ``arguments``: arguments of the Python interpreter; ``extra_environment``: environment variables by name, which are
-    added to those of `environment_for_timed_process`; ``folder``: working folder of the process.
+    added to those of this process, but for those that set thread counts; ``folder``: working folder of the process.
     The process imports no module from its working folder. The process is killed after `PATIENCE` seconds.
     """
-    environment = environment_for_timed_process({"PYTHONUNBUFFERED": "1"} | extra_environment)
+    own = {name: value for name, value in os.environ.items() if name not in VARIABLES}  # none that sets thread counts
+    environment = own | {"PYTHONUNBUFFERED": "1"} | extra_environment
     command, pipe = [sys.executable, "-P", *arguments], subprocess.PIPE
     before, begin = os.times(), perf_counter()
     process = subprocess.Popen(command, stdout=pipe, stderr=subprocess.STDOUT, text=True, env=environment, cwd=folder)
@@ -98,12 +98,8 @@ def run_timed_python_process(arguments: list[str], extra_environment: dict[str, 
         written = line + process.stdout.read()
     patience.cancel()
     seconds = perf_counter() - begin
-    return TimedProcess(seconds, first, _child_cpu_seconds_since(before), process.returncode, written)
-
-
-def _child_cpu_seconds_since(start: os.times_result) -> float:
-    """Return the CPU time [s] of the child processes that have ended since ``os.times`` returned ``start``."""
-    return sum(y - x for x, y in zip(start[2:4], os.times()[2:4], strict=True))
+    cpu = sum(y - x for x, y in zip(before[2:4], os.times()[2:4], strict=True))  # of child processes
+    return TimedProcess(seconds, first, cpu, process.returncode, written)
 
 
 #: Longest time to wait for a process [s].
@@ -204,8 +200,8 @@ def time_call_in_new_process(imports: str, call: str, label: str, repeats: int =
     expression that is timed; ``label``: name of the call in the error message; ``repeats``: number of further calls, the
     fastest of which gives the warm time. Raises RuntimeError if the process fails.
     """
-    begin, printed = _run_with_empty_caches(label, imports=imports, call=call, repeats=repeats, told="{}")
-    return RunTime(printed["done"] - begin, printed["warm"], printed["memory"])
+    cold, printed, _ = _run_with_empty_caches(label, imports=imports, call=call, repeats=repeats, told="{}")
+    return RunTime(cold, printed["warm"], printed["memory"])
 
 
 def time_mesh_level_in_new_process(scene: str, level: int) -> ColdLevelTime:
@@ -213,15 +209,17 @@ def time_mesh_level_in_new_process(scene: str, level: int) -> ColdLevelTime:
 
     ``scene``: name of a scene of the package; ``level``: mesh level. Raises RuntimeError if the process fails.
     """
-    before, (imports, call, told) = os.times(), LEVEL
+    (imports, call, told), label = LEVEL, f"level {level} of {scene}"
     code = call.format(scene=scene, level=level)
-    begin, found = _run_with_empty_caches(f"level {level} of {scene}", imports=imports, call=code, repeats=0, told=told)
+    cold, found, cpu = _run_with_empty_caches(label, imports=imports, call=code, repeats=0, told=told)
     known = {name: found[name] for name in ("memory", "status", "contacts", "load_case", "stages")}
-    return ColdLevelTime(level, found["done"] - begin, _child_cpu_seconds_since(before), scene=scene, **known)
+    return ColdLevelTime(level, cold, cpu, scene=scene, **known)
 
 
-def _run_with_empty_caches(label: str, **asked: Any) -> tuple[float, dict[str, Any]]:
-    """Run the program `CHILD` in a new process with empty caches; return its start [s] and the JSON values it printed.
+def _run_with_empty_caches(label: str, **asked: Any) -> tuple[float, dict[str, Any], float]:
+    """Run the program `CHILD` in a new process with empty caches.
+
+    Returns the time from the process's start to its first answer [s], the JSON values it printed, and its CPU time [s].
 
     ``label``: name of the measurement in the message of the RuntimeError that is raised if the process fails; ``asked``:
     what the program reads.
@@ -229,12 +227,11 @@ def _run_with_empty_caches(label: str, **asked: Any) -> tuple[float, dict[str, A
     with tempfile.TemporaryDirectory() as folder:
         code = CHILD.format(path=[p for p in sys.path if p], ask=json.dumps(asked))
         begin = time()
-        command, env = [sys.executable, "-I", "-c", code], environment_for_timed_process({"ROLLBENCH_CACHE": folder})
-        process = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE, env=env)
-    if process.returncode != 0:
-        last = process.stderr.strip().splitlines()[-1:] or ["no message"]
-        raise RuntimeError(f"the process that timed {label} failed: {last[0]}")
-    return begin, json.loads(process.stdout)
+        process = run_timed_python_process(["-I", "-c", code], {"ROLLBENCH_CACHE": folder}, folder)
+    if process.exit_code != 0:
+        raise RuntimeError(f"the process that timed {label} failed: {process.last_line}")
+    found = json.loads(process.last_line)
+    return found["done"] - begin, found, process.cpu_seconds
 
 
 #: Names of files in a store.
@@ -261,83 +258,16 @@ class StoredRunTimes:
     measuring_conditions: MeasuringConditions
     #: Date of the measurement.
     date: str
-    #: Run times by names of scene and model.
-    times_by_scene_and_model: Mapping[tuple[str, str], RunTime] = field(default_factory=dict)
-    #: Times of a first solution by the 3D reference on single mesh levels, in new processes.
-    mesh_level_times: Sequence[ColdLevelTime] = ()
-    #: Times of commands typed on a terminal.
-    command_times: Sequence[CommandTime] = ()
+    #: Times by what was timed.
+    times: Mapping[Timed, Measured] = field(default_factory=dict)
 
-    @property
-    def timed(self) -> set[Timed]:
-        """What was timed."""
-        levels = {(one.scene, one.level) for one in self.mesh_level_times}
-        return {*self.times_by_scene_and_model, *levels, *((one.command,) for one in self.command_times)}
-
-    def with_time(self, timed: Timed, time: Measured) -> StoredRunTimes:
-        """Return these run times and one more; ``timed``: what was timed; ``time``: the time of it."""
-        if isinstance(time, ColdLevelTime):
-            return replace(self, mesh_level_times=(*self.mesh_level_times, time))
-        if isinstance(time, CommandTime):
-            return replace(self, command_times=(*self.command_times, time))
-        scene, model = timed[0], str(timed[-1])
-        return replace(self, times_by_scene_and_model={**self.times_by_scene_and_model, (scene, model): time})
+    def of_kind(self, kind: type[T]) -> dict[Any, T]:
+        """Return the times of one kind by what was timed; ``kind``: class of the times."""
+        return {timed: time for timed, time in self.times.items() if isinstance(time, kind)}
 
     def __str__(self) -> str:
         """Return a sentence that states with which machine and program version, and when, the run times were measured."""
         return f"Run times are of one measuring run: rollbench {self.measuring_conditions}, {self.date}."
-
-
-@dataclass(frozen=True)
-class SetUpCost:
-    """Processor time of setting up the 3D reference for a new scene, in one process with one thread and empty caches."""
-
-    #: Name of the scene.
-    scene: str
-    #: Mesh level.
-    level: int
-    #: Number of loaded contacts.
-    contacts: int
-    #: Processor times [s] by name of the set-up's stage, then by kind of work: "all"; its parts "meshing",
-    #: "assembly" and "elimination"; and "dense", the part of the elimination that is dense algebra.
-    stages: Mapping[str, Mapping[str, float]]
-
-    def processor_time_of_work(self, kind: str) -> float:
-        """Return the processor time of one kind of work summed over all stages [s].
-
-        ``kind``: name of the kind of work, such as "meshing", as in the field `stages`.
-        """
-        return sum(stage.get(kind, 0.0) for stage in self.stages.values())
-
-
-@dataclass(frozen=True)
-class SetUpVariant:
-    """Cheaper way to set up the 3D reference on mesh level 1: processor time saved, and change of the contact loads."""
-
-    #: Name of the scene.
-    scene: str
-    #: Description of the one respect in which the variant differs from the usual set-up.
-    way: str
-    #: Processor time saved against the usual set-up [s].
-    saved: float
-    #: Largest change of a contact load against the usual set-up [% of the mean load].
-    moved: float
-
-
-@dataclass(frozen=True)
-class SetUpCosts:
-    """Processor times for setting up the 3D reference and cheaper variants of it, with machine, date and version."""
-
-    #: Machine on which the times were measured.
-    machine: str
-    #: Date of the measurement.
-    date: str
-    #: Processor times of the usual set-up, for each scene and mesh level.
-    jobs: Sequence[SetUpCost]
-    #: Cheaper variants of the set-up, with the time saved.
-    ways: Sequence[SetUpVariant]
-    #: Version of this program that was measured; empty if it is not known.
-    version: str = ""
 
 
 def utc_date_today() -> str:
@@ -367,9 +297,9 @@ def save_run_times(store: Path, run_times: StoredRunTimes) -> None:
         store / RUN_TIMES,
         run_times.measuring_conditions,
         run_times.date,
-        times=[{"scene": s, "model": m, **asdict(t)} for (s, m), t in sorted(run_times.times_by_scene_and_model.items())],
-        levels=[asdict(c) for c in run_times.mesh_level_times],
-        typed=[asdict(c) for c in run_times.command_times],
+        times=[{"scene": s, "model": m, **asdict(t)} for (s, m), t in sorted(run_times.of_kind(RunTime).items())],
+        levels=[asdict(c) for c in run_times.of_kind(ColdLevelTime).values()],
+        typed=[asdict(c) for c in run_times.of_kind(CommandTime).values()],
     )
 
 
@@ -389,25 +319,26 @@ def load_run_times(stores: Sequence[Path]) -> StoredRunTimes | None:
     def run_times_from_json(data: dict[str, Any]) -> StoredRunTimes:
         """Return run times from the JSON values of their file; ValueError if they are of another version."""
         conditions = measuring_conditions_from_json(_of_this_version(data))
-        times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
-        levels = tuple(ColdLevelTime(**r) for r in data.get("levels", []))
-        return StoredRunTimes(
-            conditions, data["date"], times, levels, tuple(CommandTime(**r) for r in data.get("typed", []))
-        )
+        times: dict[Timed, Measured] = {
+            (r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]
+        }
+        times |= {(r["scene"], r["level"]): ColdLevelTime(**r) for r in data.get("levels", [])}
+        times |= {(r["command"],): CommandTime(**r) for r in data.get("typed", [])}
+        return StoredRunTimes(conditions, data["date"], times)
 
     return read_from_first_valid_folder(stores, RUN_TIMES, run_times_from_json)
 
 
-def load_set_up_costs(stores: Sequence[Path]) -> SetUpCosts | None:
-    """Read the times of this version for setting up the 3D reference from the first folder with a valid file, or None."""
+def load_set_up_costs(stores: Sequence[Path]) -> dict[str, Any] | None:
+    """Read the times of this version for setting up the 3D reference from the first folder with a valid file, or None.
 
-    def set_up_costs_from_json(data: dict[str, Any]) -> SetUpCosts:
-        """Return times of set-ups from the JSON values of their file; ValueError if they are of another version."""
-        known = {name: _of_this_version(data)[name] for name in ("machine", "date", "version")}
-        jobs, ways = [SetUpCost(**row) for row in data["jobs"]], [SetUpVariant(**row) for row in data["ways"]]
-        return SetUpCosts(**known, jobs=jobs, ways=ways)
-
-    return read_from_first_valid_folder(stores, SET_UP_COSTS, set_up_costs_from_json)
+    The values, as tests/set_up_costs.py writes them: "machine", "date" and "version" of the measurement; "jobs", for each
+    scene and mesh level its number of loaded "contacts" and the processor times [s] of its "stages", each by kind of work:
+    "all", its parts "meshing", "assembly" and "elimination", and "dense", the dense algebra of the elimination; "ways",
+    cheaper ways of setting up mesh level 1, each with the processor time "saved" [s], and the largest change of a contact
+    load, "moved" [% of the mean load].
+    """
+    return read_from_first_valid_folder(stores, SET_UP_COSTS, _of_this_version)
 
 
 #: Command that writes the scene of a catalogue screw to ``my.toml``.
@@ -507,10 +438,10 @@ def measure_and_store(
     """
     stored = None if store is None else load_run_times((store,))
     found = stored if stored and stored.measuring_conditions == conditions else StoredRunTimes(conditions, utc_date_today())
-    left = {timed: measure for timed, measure in jobs.items() if timed not in found.timed}
+    left = {timed: measure for timed, measure in jobs.items() if timed not in found.times}
     for number, (timed, measure) in enumerate(left.items(), 1):
         show_progress(f"[{number}/{len(left)}] {', '.join(map(str, timed))}")
-        found = found.with_time(timed, measure())
+        found = replace(found, times={**found.times, timed: measure()})
         if store is not None:
             save_run_times(store, found)
     return found
@@ -531,8 +462,7 @@ def time_command_in_empty_home(command: str) -> CommandTime:
         busy.wait()
     for one in found:
         if one.exit_code != 0:
-            last = one.printed_output.strip().splitlines()[-1:] or ["no message"]
-            return CommandTime(command, note=f"not measured: {last[0][:120]}")
+            return CommandTime(command, note=f"not measured: {one.last_line[:120]}")
     alone, again, beside = found
     spent = again.seconds, again.cpu_seconds, beside.seconds, beside.cpu_seconds
     return CommandTime(command, alone.seconds, alone.first_line_seconds, alone.cpu_seconds, *spent)

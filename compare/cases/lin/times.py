@@ -13,7 +13,7 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.running import show_progress_message
 from rollbench.compare.sections.reference_time import level_time_jobs, run_times_to_show
 from rollbench.compare.studies.rolling.runs import LEVELS
-from rollbench.compare.studies.run_times import Measured, Timed, time_call_in_new_process
+from rollbench.compare.studies.run_times import ColdLevelTime, Measured, RunTime, Timed, time_call_in_new_process
 
 #: Scenes of the case studies of Table 2.2, by number; scenes of Tables 3.5 and 3.7, by case.
 STATIC = {1: "lin-case1", 2: "lin-case2", 3: "lin-case3-offset"}
@@ -61,9 +61,8 @@ def stored_run_times(cache: SceneResultCache, name: str, model: str) -> tuple[fl
     if kept is None:
         return None, None
     found = cache.stored_reference(name) if name in STATIC.values() and model == "3D" else None
-    if found is not None:
-        for level in kept.mesh_level_times:
-            if (level.scene, level.level) == (name, found.best.level):
-                return level.process, level.load_case
-    known = kept.times_by_scene_and_model.get((name, model))
+    level = None if found is None else kept.of_kind(ColdLevelTime).get((name, found.best.level))
+    if level is not None:
+        return level.process, level.load_case
+    known = kept.of_kind(RunTime).get((name, model))
     return (None, None) if known is None else (known.cold, known.warm)

@@ -46,9 +46,9 @@ def quick(monkeypatch):
 def test_a_stored_run_times_models_and_commands_for_the_report(tmp_path, command):
     rows = {row["job"]: row for row in command.answer("bench", "--store", tmp_path)}
     kept = load_run_times([tmp_path])
-    (row,), (one,) = reference_time.command_time_table(kept).rows, kept.command_times
+    (row,), one = reference_time.command_time_table(kept).rows, kept.times["schema --help",]
     assert (row["command"], row["run_time_empty_home"], one.note) == ("schema --help", one.seconds, "")
-    time = kept.times_by_scene_and_model["lin-case1", "mei"]
+    time = kept.times["lin-case1", "mei"]
     assert rows["lin-case1: mei"]["seconds"] == time.cold > time.warm > 0.0
     assert kept.measuring_conditions == measuring_conditions()
 

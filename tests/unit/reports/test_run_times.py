@@ -19,8 +19,11 @@ from rollbench.reports.content import Figure, Table, Text
 KEPT = kept_times.StoredRunTimes(
     measuring_conditions(),
     "2026-01-02",
-    {("lin-case1", "lin"): kept_times.RunTime(0.4, 1e-3, 99.0), ("lin-case1", "mei"): kept_times.RunTime(0.3, 2e-3, None)},
-    (ColdLevelTime(4, 60.0, 118.0, None, "converged", "lin-case1", 64, 0.9),),
+    {
+        ("lin-case1", "lin"): kept_times.RunTime(0.4, 1e-3, 99.0),
+        ("lin-case1", "mei"): kept_times.RunTime(0.3, 2e-3, None),
+        ("lin-case1", 4): ColdLevelTime(4, 60.0, 118.0, None, "converged", "lin-case1", 64, 0.9),
+    },
 )
 OLD = replace(KEPT, measuring_conditions=MeasuringConditions("0.7.0", "", "a machine"))
 
@@ -59,7 +62,7 @@ def test_a_measuring_run_goes_on_where_it_stopped(tmp_path):
 
     jobs = {
         ("lin-case1", "lin"): time_of("model", kept_times.RunTime(0.4, 1e-3, 99.0)),
-        ("lin-case1", 4): time_of("level", KEPT.mesh_level_times[0]),
+        ("lin-case1", 4): time_of("level", KEPT.times["lin-case1", 4]),
         ("list",): time_of("stopped", None),
     }
     with pytest.raises(KeyboardInterrupt):
@@ -68,7 +71,7 @@ def test_a_measuring_run_goes_on_where_it_stopped(tmp_path):
     found = kept_times.measure_and_store(tmp_path, measuring_conditions(), jobs, quiet)
     assert tried == ["model", "level", "stopped", "command"]
     assert found == kept_times.load_run_times([tmp_path])
-    assert (found.timed, found.command_times) == (set(jobs), (typed,))
+    assert (found.times.keys(), found.times["list",]) == (jobs.keys(), typed)
 
     other = replace(measuring_conditions(), machine="another")
     again = kept_times.measure_and_store(tmp_path, other, jobs, quiet)
