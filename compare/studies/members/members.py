@@ -134,8 +134,6 @@ class EnsembleSummary:
     status_of_failed_draws: dict[int, str]
     #: Distributions of the contact loads over the specimens; the balls of a shaft come one nut or bearing after the other.
     load_distributions: LoadDistributions
-    #: For each nut or bearing, the index range of its balls in the arrays of ``load_distributions``; None for rollers.
-    ball_slices: tuple[slice | None, ...]
     #: Wall-clock time of all blocks [s], also of those that an earlier run has stored.
     seconds: float
 
@@ -208,8 +206,7 @@ def solve_random_draws_of_scene(
                 failed[first + k] = status
         done, seconds = done + len(block.outputs), seconds + block.seconds
         show_progress(f"[{done}/{count}] {len(failed)} failed")
-    balls = ensemble.ball_slices(scene)
-    return EnsembleSummary(scene, model, np.concatenate(rows), failed, bands, balls, seconds)
+    return EnsembleSummary(scene, model, np.concatenate(rows), failed, bands, seconds)
 
 
 def _check_ensemble_request(scene: Scene | Assembly, model: str, count: int) -> None:
@@ -264,9 +261,8 @@ def solve_random_draws_of_load_cases(
                 """Write the CSV row of one specimen; ``outputs``: its outputs, of which nan becomes an empty cell."""
                 write([*head, number, status, *("" if np.isnan(v) else repr(float(v)) for v in outputs)])
 
-            one = model or default_model_name(scene)
             row = len(each) * count
-            found = solve_random_draws_of_scene(scene, one, count, engine, show_progress, write_row, stored, row)
+            found = solve_random_draws_of_scene(scene, model, count, engine, show_progress, write_row, stored, row)
             each.append(_ensemble_of_summary(found))
     if not cases:
         return each[0]
@@ -299,22 +295,14 @@ def _ensemble_of_summary(summary: EnsembleSummary) -> Ensemble:
 
     For a shaft, rows of contacts begin with the number of the nut or bearing.
     """
-    scene, kept = summary.scene, summary.outputs
-    rows = _contact_load_rows_by_ball(summary.load_distributions)
+    scene, kept, names = summary.scene, summary.outputs, ensemble.KEPT
     sets: dict[str, dict[str, Statistics | None]] = {}
-    if isinstance(scene, Assembly):
-        seed: Any = [s.parts.errors.seed if isinstance(s.parts, Scene) else None for s in scene.sets]
-        by_set = np.split(kept[:, len(ensemble.WHOLE) :], len(scene.sets), axis=1)
-        sets = {s.name: _statistics_of_columns(ensemble.OF_SET, of) for s, of in zip(scene.sets, by_set, strict=True)}
-        balls = [
-            {"set": i + 1, **x, "index": x["index"] - place.start}
-            for i, place in enumerate(summary.ball_slices)
-            if place is not None
-            for one in rows[place]
-            for x in one
-        ]
+    if isinstance(scene, Scene):
+        seed: Any = scene.errors.seed
     else:
-        seed, balls = scene.errors.seed, [x for one in rows for x in one]
+        names, seed = ensemble.WHOLE, [s.parts.errors.seed if isinstance(s.parts, Scene) else None for s in scene.sets]
+        by_set = np.split(kept[:, len(names) :], len(scene.sets), axis=1)
+        sets = {s.name: _statistics_of_columns(ensemble.OF_SET, of) for s, of in zip(scene.sets, by_set, strict=True)}
     return Ensemble(
         scene=scene.name,
         model=summary.model,
@@ -322,10 +310,10 @@ def _ensemble_of_summary(summary: EnsembleSummary) -> Ensemble:
         seconds=summary.seconds,
         members=len(kept),
         converged=len(kept) - len(summary.status_of_failed_draws),
-        outputs=_statistics_of_columns(ensemble.WHOLE if isinstance(scene, Assembly) else ensemble.KEPT, kept),
+        outputs=_statistics_of_columns(names, kept),
         failed=summary.status_of_failed_draws,
         sets=sets,
-        contacts=tuple(balls),
+        contacts=tuple(_contact_load_rows(scene, summary.load_distributions)),
         band_resolution=json_number(summary.load_distributions.width),
     )
 
@@ -335,8 +323,8 @@ def _statistics_of_columns(names: Iterable[str], outputs: Array) -> dict[str, St
     return {name: output_statistics(np.sort(outputs[:, k]), intervals=True) for k, name in enumerate(names)}
 
 
-def _contact_load_rows_by_ball(loads: LoadDistributions) -> list[list[dict[str, Any]]]:
-    """Return for every ball a list of JSON rows, one per loaded contact, with mean and quantiles of the contact load [N].
+def _contact_load_rows(scene: Scene | Assembly, loads: LoadDistributions) -> Iterator[dict[str, Any]]:
+    """Yield a JSON row for each contact that carries load in a specimen, with mean and quantiles of its load [N].
 
     ``loads``: distributions of the contact loads over many random draws of the geometric errors.
     """
@@ -349,11 +337,8 @@ def _contact_load_rows_by_ball(loads: LoadDistributions) -> list[list[dict[str, 
         "largest_N": loads.largest,
         "loaded_share": loads.loaded_share,
     }
-    return [
-        [
-            {"index": i + 1, "side": side, **{key: json_number(values[i, s]) for key, values in found.items()}}
-            for s, side in enumerate(SIDES)
-            if loads.largest[i, s] > 0.0
-        ]
-        for i in range(len(loads.nominal))
-    ]
+    for number, place in enumerate(ensemble.ball_slices(scene), 1):
+        of_set = {"set": number} if isinstance(scene, Assembly) else {}
+        for i, s in np.argwhere(loads.largest[place] > 0.0) if place is not None else ():
+            values = {key: json_number(x[place][i, s]) for key, x in found.items()}
+            yield of_set | {"index": int(i) + 1, "side": SIDES[s]} | values

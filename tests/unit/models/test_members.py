@@ -147,7 +147,7 @@ def test_members_of_several_sets_are_the_single_solves():
     expected = {"largest_load_N": loads[2].max()}
     tangent = stiffness_of_scene(parts, results[2], results[2], "lin", ModelOptions(member=2)).load_point.tangent
     assert member["load_point_tangent_N_per_um"] == pytest.approx(1e-6 * tangent, rel=1e-6)
-    for i, (s, place) in enumerate(zip(results[2].sets, found.ball_slices, strict=True)):
+    for i, (s, place) in enumerate(zip(results[2].sets, ensemble.ball_slices(parts), strict=True)):
         assert np.array_equal(loads[2][place], s.balls.load)
         lives = [ensemble.raceway_life_measure(load) for load in (s.balls.load, spread.nominal[place])]
         expected |= {f"set {i + 1} axial_force_N": s.force[2], f"set {i + 1} relative_life": (lives[0] / lives[1]) ** -0.9}
