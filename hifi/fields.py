@@ -242,33 +242,35 @@ def _nodal_displacements_of_coarse_body(
     return np.asarray(T @ q).reshape(-1, 3)
 
 
-def mesh_groove_patch(setup: CondensedGeometry, meshes: PartMeshes, side: int) -> PatchMesh:
-    """Create the fine mesh (patch) of the groove around a contact on one flank, for a ball at azimuth 0 and z = 0.
+def mesh_contact_patch(
+    m: GrooveMap, settings: Settings, meshes: PartMeshes, side: int, *, on_ball: bool = False
+) -> PatchMesh:
+    """Create the fine mesh (patch) of groove or ball around a contact on one flank, for a ball at azimuth 0 and z = 0.
 
     Parameters
     ----------
-    setup : CondensedGeometry
-        Meshed and condensed parts of one geometry.
+    m : GrooveMap
+        Geometry of the track.
+    settings : Settings
+        Mesh settings: cell sizes, modes and element type.
     meshes : PartMeshes
         Meshes of the geometry.
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
+    on_ball : bool, default False
+        True: the ball's patch, with the ball's centre as origin; False: the groove's.
 
     Returns
     -------
     PatchMesh
         Fine mesh (patch) around the contact.
     """
-    body = meshes.screw_mesh if side < 2 else meshes.nut_mesh
-    to_space = partial(points_in_box_at_azimuth_zero, setup.groove_map, meshes.socket_size, side)
-    return part_meshes.mesh_patch(meshes, body.box_faces[side], to_space, setup.mesh_settings)
-
-
-def mesh_ball_patch(setup: CondensedGeometry, meshes: PartMeshes, side: int) -> PatchMesh:
-    """Create the fine mesh (patch) of the ball at its contact with a flank (0 to 3); the ball's centre is the origin."""
-    size, zone = meshes.socket_size, meshes.relative_zone_size
-    _, to_space = part_meshes.ball_refinement_box_and_map(setup.groove_map, size, side, zone)
-    return part_meshes.mesh_patch(meshes, meshes.ball_mesh.box_faces[side], to_space, setup.mesh_settings)
+    boxes = meshes.refinement_boxes_of_flank(side)
+    if on_ball:
+        _, on_surface = part_meshes.ball_refinement_box_and_map(m, meshes.socket_size, side, meshes.relative_zone_size)
+        return part_meshes.mesh_patch(meshes, boxes.ball_socket, on_surface, settings)
+    on_groove = partial(points_in_box_at_azimuth_zero, m, meshes.socket_size, side)
+    return part_meshes.mesh_patch(meshes, boxes.groove_socket, on_groove, settings)
 
 
 def stress_field_of_groove_patch(
@@ -298,7 +300,7 @@ def stress_field_of_groove_patch(
     SolidField
         Displacements and stresses of the patch.
     """
-    mesh = mesh_groove_patch(setup, meshes, side)
+    mesh = mesh_contact_patch(setup.groove_map, setup.mesh_settings, meshes, side)
     body, part = (meshes.screw_mesh, setup.scene.screw) if side < 2 else (meshes.nut_mesh, setup.scene.nut)
     body_sides = [s for s in setup.loaded_flanks if (s < 2) == (side < 2)]
     nodes = body.nodes_on_box_faces[ball * len(body_sides) + body_sides.index(side)]
@@ -402,7 +404,7 @@ def stress_fields_of_ball(
     whole = SolidField(mesh.points, nodes_of_cells(body), kind, u, nodal_stress(body, u, material))
     by_side: dict[int | None, SolidField] = {None: whole}
     for s in forces:
-        piece = mesh_ball_patch(setup, meshes, s)
+        piece = mesh_contact_patch(setup.groove_map, setup.mesh_settings, meshes, s, on_ball=True)
         normals = -part_meshes.contact_normals_of_patch(piece, np.zeros(3))
         at_box = u[mesh.nodes_on_box_faces[s]].ravel()
         by_side[s] = _stress_field_of_patch(piece, normals, material, forces[s][ball], at_box)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -290,8 +291,9 @@ def screw_and_nut_mesh_picture(solution: PicturedSolution) -> content.FieldPictu
         mesh_part_with_used_nodes(meshes.screw_mesh.points, meshes.screw_mesh.cells, kind, STEEL),
         mesh_part_with_used_nodes(nut.points, nut.cells[behind], kind, NUT),
     ]
+    patch_of = partial(fields.mesh_contact_patch, setup.groove_map, setup.mesh_settings, meshes)
     for s in setup.loaded_flanks:
-        mesh = fields.mesh_groove_patch(setup, meshes, s)
+        mesh = patch_of(s)
         for phi, z in zip(setup.ball_positions.azimuth, setup.ball_positions.z, strict=True):
             points = mesh.points @ rotation_about_z(float(phi)).T + np.array([0.0, 0.0, z])
             if s < 2 or points.mean(axis=0) @ toward < 0.0:
@@ -308,7 +310,7 @@ def screw_and_nut_mesh_picture(solution: PicturedSolution) -> content.FieldPictu
         scale_bar=10e-3,
         caption=(
             f"{SCENE}, level {LEVEL}: {len(meshes.screw_mesh.cells)} second-order tetrahedra in the screw and "
-            f"{len(nut.cells)} in the nut; orange: a patch of {len(fields.mesh_groove_patch(setup, meshes, 0).cells)} "
+            f"{len(nut.cells)} in the nut; orange: a patch of {len(patch_of(0).cells)} "
             "second-order hexahedra at every contact. A single mesh of all bodies, equally fine at the contacts, would "
             f"have {setup.degree_of_freedom_count / 1e6:.2f} million unknowns. Balls are not drawn; the round hollows "
             "along the cut are cross-sections of the nut's groove."

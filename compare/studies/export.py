@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 import shlex
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -36,11 +35,9 @@ from rollbench.meshes.exchange import whole_bodies
 from rollbench.meshes.exchange.deck import UNITS, deck_text
 from rollbench.meshes.exchange.mesh_files import with_only_boundaries
 from rollbench.meshes.exchange.step_files import PlacedNutOrBearing
-from rollbench.meshes.groove import GroovedBodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Load, Scene, Support
-from rollbench.meshes.sockets import points_in_box_at_azimuth_zero
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
 if TYPE_CHECKING:
@@ -134,13 +131,8 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
         mesh = bodies[part.removesuffix(SOCKETS)].mesh
         names = [name for name in mesh.boundaries if "socket" in name or " end" in name or name in ("seat", "centring")]
         return with_only_boundaries(convert_mesh_order(mesh, part_meshes.element_type_of_bodies(settings)), *names)
-    kind, _, name = part.rpartition("-")
-    side = SIDES.index(name)
-    body = bodies["ball" if kind == "ball-patch" else "screw" if side < 2 else "nut"]
-    place: Any = partial(points_in_box_at_azimuth_zero, m, meshes.socket_size, side)
-    if kind == "ball-patch":
-        place = part_meshes.ball_refinement_box_and_map(m, meshes.socket_size, side, meshes.relative_zone_size)[1]
-    patch = part_meshes.mesh_patch(meshes, body.box_faces[side], place, settings)
+    kind, _, side = part.rpartition("-")
+    patch = fields.mesh_contact_patch(m, settings, meshes, SIDES.index(side), on_ball=kind == "ball-patch")
     return with_only_boundaries(patch.mesh, "contact", "interface")
 
 
@@ -218,15 +210,9 @@ def _mesh_whole_body(scene: Scene, part: str, level: int) -> Mesh:
         sizes = whole_bodies.ElementSizesNearPoints(near, settings.ball_fine, AWAY, settings.ball_coarse)
         body = whole_bodies.mesh_whole_ball(m, m.ball, sizes)
     else:
-        screw, half = part == "screw", scene.nut.length / 2.0
-        radii = (dims.hole, scene.screw.outer_diameter / 2.0) if screw else (dims.land, scene.nut.outer_diameter / 2.0)
-        ends = dims.ends_of_meshed_screw(scene) if screw else (scene.nut.position - half, scene.nut.position + half)
-        places = part_meshes.contact_positions_on_body(layout, sides, screw)
-        size = part_meshes.choose_refinement_box_size(scene, m, layout, sides, dims, settings)
-        filled = dims.groove_ends and not screw
-        flange = None if screw else scene.nut.flange
-        spec = GroovedBodySpec(*radii, *ends, screw, places, size, settings.fine, settings.coarse, filled, flange)
-        near = np.concatenate([whole_bodies.points_on_groove(m, place, middle) for place in places])
+        recipes, _ = part_meshes.list_part_mesh_calls(scene, m, layout, dims, sides, settings)
+        _, (_, spec), _ = recipes[BODIES.index(part)]
+        near = np.concatenate([whole_bodies.points_on_groove(m, place, middle) for place in spec.contact_positions])
         sizes = whole_bodies.ElementSizesNearPoints(near, settings.fine, AWAY, settings.coarse)
         body = whole_bodies.mesh_whole_body(m, spec, sizes)
     mesh = convert_mesh_order(body.mesh, part_meshes.element_type_of_bodies(settings))

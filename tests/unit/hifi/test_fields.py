@@ -91,7 +91,7 @@ def test_hats_of_the_grooves_move_as_condensed(case, side):
     what the body adds little."""
     setup, forces = case.setup, case.forces[side]
     patch, body = setup.patches_by_flank[side].groove_patch, case.meshes.screw_mesh if side < 2 else case.meshes.nut_mesh
-    mesh = fields.mesh_groove_patch(setup, case.meshes, side)
+    mesh = fields.mesh_contact_patch(setup.groove_map, setup.mesh_settings, case.meshes, side)
     found, fine = moved_by(mesh, patch.normals, setup.scene.screw.material, case.grooves[side])
     c, s = np.cos(setup.ball_positions.azimuth[0]), np.sin(setup.ball_positions.azimuth[0])
     trace = case.u[side][body.nodes_on_box_faces[0]] @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
@@ -110,7 +110,8 @@ def test_hats_of_the_ball_move_as_condensed(case):
     body = V @ (response.G @ (V.T @ np.concatenate([case.forces[s][0] for s in SIDES])))
     found, patches = [], []
     for s in SIDES:
-        mesh, normals = fields.mesh_ball_patch(setup, case.meshes, s), setup.patches_by_flank[s].ball_patch.normals
+        mesh = fields.mesh_contact_patch(setup.groove_map, setup.mesh_settings, case.meshes, s, on_ball=True)
+        normals = setup.patches_by_flank[s].ball_patch.normals
         moved, fine = moved_by(mesh, normals, setup.scene.balls.material, case.ball[s])
         found.append(moved)
         patches.append(fine.A @ case.forces[s][0])
