@@ -539,11 +539,35 @@ def mode_compliance_in_coarse_submodel(
     """
     box = BodySocket(piece.box_nodes, piece.rotation, 0)
     K = assemble_body_stiffness(piece.mesh, [box], {0: patch}, young, poisson)
+    return compliance_of_submodel(piece, K, assemble_mode_forces([box], {0: mode_forces}, K.shape[0]))
+
+
+def compliance_of_submodel(piece: ContactSubmodel, K: sp.sparray, nodal_forces: sp.csr_array) -> Array:
+    """Compute the compliance between several load cases on a piece of a body, fixed at its boundaries or balanced.
+
+    Parameters
+    ----------
+    piece : ContactSubmodel
+        Piece of the body, with n nodes.
+    K : (3 n, 3 n) sparse array
+        Its stiffness [N/m].
+    nodal_forces : (m, 3 n) sparse array
+        Nodal forces of m load cases.
+
+    Returns
+    -------
+    (m, m) Array
+        Compliance [m/N]: work of load case i on the displacements by a unit of load case j.
+
+    Raises
+    ------
+    FactorError
+        The stiffness of the piece cannot be factored.
+    """
     free, loads = _free_freedoms_and_balancing_loads(piece)
-    Q = assemble_mode_forces([box], {0: mode_forces}, K.shape[0])
-    F = symmetric_compliance_of_loads(K[free][:, free].tocsc(), sp.vstack([Q[:, free], loads[:, free]]).tocsr())
-    work = Q @ nodal_displacements_of_rigid_motions(fem.node_coordinates(piece.mesh))
-    return _compliance_of_balanced_loads(F, len(mode_forces), work, loads, piece)
+    F = symmetric_compliance_of_loads(K[free][:, free].tocsc(), sp.vstack([nodal_forces, loads]).tocsr()[:, free])
+    work = nodal_forces @ nodal_displacements_of_rigid_motions(fem.node_coordinates(piece.mesh))
+    return _compliance_of_balanced_loads(F, nodal_forces.shape[0], work, loads, piece)
 
 
 def scales_of_coarse_submodels() -> list[float]:

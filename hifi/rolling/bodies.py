@@ -18,9 +18,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial, wraps
+from functools import lru_cache, partial
 from time import process_time
-from typing import Any, ParamSpec, TypeVar
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -32,7 +32,6 @@ from rollbench.hifi.contact.block import boussinesq_displacements
 from rollbench.hifi.contact.hertz import solve_hertz
 from rollbench.hifi.elements import forms
 from rollbench.hifi.elements.forms import elasticity_form, normalise_weight_rows, pressure_function_integrals
-from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.hifi.meshing.part_meshes import ball_refinement_box_and_map
 from rollbench.hifi.rolling import contact_bodies
@@ -68,16 +67,6 @@ CUTS, GROOVE_SIZES, BALL_SIZES = (4, 4, 4), (0.216, 1.3), (0.119, 0.27)
 
 
 @dataclass(frozen=True)
-class BallPath:
-    """Path of the balls' centres: a helix, or the circle of a ring."""
-
-    #: Radius of the cylinder on which the path lies, the pitch radius [m].
-    radius: float
-    #: Axial rise per angle of turn [m/rad]; 0: ring, < 0: left-hand helix.
-    rise_per_angle: float
-
-
-@dataclass(frozen=True)
 class ContactPiece:
     """Fine mesh (patch) of a groove or ball at one contact, with the coarse mesh of a piece of the body around it."""
 
@@ -95,23 +84,15 @@ class ContactPiece:
     node_grid_indices: Index
 
 
-def mesh_contact_pieces(
-    curve: BallPath, ball: float, groove: float, angle: float, zone: ContactZone, *, on_nut_or_outer_ring: bool
-) -> tuple[ContactPiece, ContactPiece]:
+def mesh_contact_pieces(at: ContactGeometry, zone: ContactZone) -> tuple[ContactPiece, ContactPiece]:
     """Mesh a piece of the grooved body and the ball around one contact, with fine meshes (patches) at the contact.
 
     Parameters
     ----------
-    curve : BallPath
-        Path of the balls' centres.
-    ball, groove : float
-        Radii of ball and groove [m].
-    angle : float
-        Angle at the ball's centre from the groove's bottom to the contact [rad].
+    at : ContactGeometry
+        Geometry of the contact, on a ring or a helix.
     zone : ContactZone
         Contact zone.
-    on_nut_or_outer_ring : bool
-        Whether the groove is that of the nut or outer ring.
 
     Returns
     -------
@@ -123,12 +104,13 @@ def mesh_contact_pieces(
     ValueError
         The body has no room for the hole into which the patch is fitted, or a mesh cannot be built.
     """
+    on_nut_or_outer_ring, ball = at.groove_curvature_along > 0.0, at.ball_radius
     side = OUTER if on_nut_or_outer_ring else INNER
-    m = track_geometry_of_path(curve, ball, groove, angle)
-    walls = max(curve.radius - WALL * ball, CORE * curve.radius), curve.radius + WALL * ball
-    lands = curve.radius - LAND * ball, curve.radius + LAND * ball
+    m = track_geometry_of_contact(at)
+    walls = max(m.R - WALL * ball, CORE * m.R), m.R + WALL * ball
+    lands = m.R - LAND * ball, m.R + LAND * ball
     nothing = np.zeros(1)
-    alone = BallLayout(nothing, nothing, np.array([[curve.radius, 0.0, 0.0]]), *np.eye(3)[[0, 2, 1]][:, None])
+    alone = BallLayout(nothing, nothing, np.array([[m.R, 0.0, 0.0]]), *np.eye(3)[[0, 2, 1]][:, None])
     radii, ends = (lands[0], walls[0], lands[1], walls[1]), (-3.0 * ball, 3.0 * ball)
     size = sockets.largest_fitting_refinement_box(m, alone, (side,), *radii, ends, zone.half_lengths[::-1])
     size = replace(size, edge_divisions=CUTS)
@@ -157,29 +139,34 @@ def mesh_contact_pieces(
     return out[0], out[1]
 
 
-def track_geometry_of_path(curve: BallPath, ball: float, groove: float, angle: float) -> GrooveMap:
+def track_geometry_of_contact(at: ContactGeometry) -> GrooveMap:
     """Describe a track whose four groove flanks have the same radius, by the groove map of the static 3D reference.
 
     Parameters
     ----------
-    curve : BallPath
-        Path of the balls' centres.
-    ball, groove : float
-        Radii of ball and groove [m].
-    angle : float
-        Contact angle [rad].
+    at : ContactGeometry
+        Geometry of the contact.
 
     Returns
     -------
     GrooveMap
         Geometry of the track.
+
+    Raises
+    ------
+    ValueError
+        The track is straight.
     """
+    if at.path_radius_and_rise is None:
+        raise ValueError(
+            "the static 3D reference does not model straight tracks: the balls must move along a ring or a helix"
+        )
+    (radius, rise), angle = at.path_radius_and_rise, at.contact_angle
     signs = np.array(SIDE_SIGNS)
     to_contact = signs * np.array([np.cos(angle), np.sin(angle)])
-    lead_angle = float(np.arctan2(curve.rise_per_angle, curve.radius))
-    centres = -(groove - ball) * to_contact
-    track, radii = (curve.radius, curve.rise_per_angle, lead_angle), np.full(4, groove)
-    return GrooveMap(*track, angle, ball, signs, centres, radii, 0.0, 0.0, 1)
+    centres, radii = -(at.groove_radius - at.ball_radius) * to_contact, np.full(4, at.groove_radius)
+    lead_angle = float(np.arctan2(rise, radius))
+    return GrooveMap(radius, rise, lead_angle, angle, at.ball_radius, signs, centres, radii, 0.0, 0.0, 1)
 
 
 def _patch_cell_boundaries_and_zone(
@@ -334,18 +321,18 @@ def nodal_forces_of_tractions(
     return sp.csr_array(sp.csr_array(nodal) @ spread)
 
 
-def compliance_of_free_body(body: ContactBody, nodal_forces: sp.csr_array, young: float, poisson: float) -> Array:
-    """Compute the compliance between several load cases on a free body, such as a ball.
+def compliance_of_body(body: ContactBody, nodal_forces: sp.csr_array, young: float, poisson: float) -> Array:
+    """Compute the compliance of a body that is fixed on its boundary "held", or free if it has none.
 
-    The loads are balanced by body forces that are distributed like rigid motions, and rigid motions are removed from the
-    displacements.
+    A free body is loaded by body forces that vary in space like rigid-body motions and balance the loads; the motions of
+    the whole body are left out (inertia relief).
 
     Parameters
     ----------
     body : ContactBody
-        The body, with n nodes.
+        The body.
     nodal_forces : (m, 3 n) sparse array
-        Nodal forces of m load cases, as from `nodal_forces_of_tractions`.
+        Nodal forces of m load cases.
     young : float
         Young's modulus [Pa].
     poisson : float
@@ -354,34 +341,12 @@ def compliance_of_free_body(body: ContactBody, nodal_forces: sp.csr_array, young
     Returns
     -------
     (m, m) Array
-        Compliance [m/N]: work of load case i on the displacements by a unit of load case j.
-    """
-    K, points = forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh), fem.node_coordinates(body.mesh)
-    relief, rigid = coarse.body_forces_like_rigid_motions(body.mesh), nodal_displacements_of_rigid_motions(points)
-    held = coarse.select_isostatic_freedoms(points, body.contact_nodes)
-    F = _compliance_with_fixed_freedoms(K, held, sp.vstack([nodal_forces, sp.csr_array(relief)]))
-    S = np.hstack([np.eye(nodal_forces.shape[0]), -np.linalg.solve(relief @ rigid, (nodal_forces @ rigid).T).T])
-    return np.asarray(S @ F @ S.T)
-
-
-def _compliance_with_fixed_freedoms(K: sp.csr_array, fixed_freedoms: Index, nodal_forces: sp.sparray) -> Array:
-    """Compute the compliance ``(m, m)`` [m/N] between m load cases on a body with some degrees of freedom fixed.
-
-    ``K``: stiffness matrix (n, n) [N/m]; ``fixed_freedoms``: indices of the fixed degrees of freedom; ``nodal_forces``:
-    nodal forces (m, n).
-    """
-    free = np.setdiff1d(np.arange(K.shape[0]), fixed_freedoms)
-    return symmetric_compliance_of_loads(K[free][:, free], nodal_forces.tocsr()[:, free])
-
-
-def compliance_of_fixed_body(body: ContactBody, nodal_forces: sp.csr_array, young: float, poisson: float) -> Array:
-    """Compute the compliance ``(m, m)`` [m/N] between m load cases on a body that is fixed at its boundary "held".
-
-    ``nodal_forces``: nodal forces of the m load cases (m, 3 n); ``young``: Young's modulus [Pa]; ``poisson``: Poisson's
-    ratio.
+        Compliance between the m load cases [m/N].
     """
     K = forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh)
-    return _compliance_with_fixed_freedoms(K, fem.degrees_of_freedom_on_boundaries(body.mesh, "held"), nodal_forces)
+    fixed = ("held",) if "held" in body.mesh.boundaries else ()
+    whole = coarse.ContactSubmodel(body.mesh, body.contact_nodes, np.eye(3), fixed)
+    return coarse.compliance_of_submodel(whole, K, nodal_forces)
 
 
 def compliance_of_half_space_block(body: ContactBody, nodal_forces: sp.csr_array, young: float, poisson: float) -> Array:
@@ -399,7 +364,8 @@ def compliance_of_half_space_block(body: ContactBody, nodal_forces: sp.csr_array
     K = forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh)
     cut = fem.degrees_of_freedom_on_boundaries(body.mesh, "held")
     by_cut = sp.csr_array(-(K[cut].T @ _half_space_motion_at_cut(body, nodal_forces, young, poisson)).T)
-    F, m = _compliance_with_fixed_freedoms(K, cut, sp.vstack([nodal_forces, by_cut])), nodal_forces.shape[0]
+    free, m = np.setdiff1d(np.arange(K.shape[0]), cut), nodal_forces.shape[0]
+    F = symmetric_compliance_of_loads(K[free][:, free], sp.vstack([nodal_forces, by_cut]).tocsr()[:, free])
     out = F[:m, :m] + F[:m, m:]
     return np.asarray(0.5 * (out + out.T))
 
@@ -492,52 +458,28 @@ class Sizes:
     patches: bool = frozen_default(True)
 
 
-P = ParamSpec("P")
+#: Call of a function that computes compliance kernels, and its arguments.
+KernelCall = tuple[Callable[..., Any], tuple[Any, ...]]
 
-T = TypeVar("T")
-
-#: Cached kernels by function and arguments, computed here or by other processes.
-_KEPT: dict[tuple[object, ...], Any] = {}
-
-#: Largest number of cached kernels.
+#: Results of these calls that are kept in memory; the oldest goes if there are more than `MOST`.
+_KEPT: dict[KernelCall, Any] = {}
 MOST = 32
 
 
-def cache_by_arguments(make: Callable[P, T]) -> Callable[P, T]:
-    """Decorate a function so that its results are cached in memory by its arguments.
-
-    All functions that are decorated in this way together keep at most `MOST` results.
-
-    ``make``: function that computes a compliance kernel.
-    """
-
-    @wraps(make)
-    def return_cached_or_computed(*arguments: P.args, **named: P.kwargs) -> T:
-        key = _cache_key_of_call(partial(make, *arguments, **named))
-        if key not in _KEPT:
-            _store_result(key, make(*arguments, **named))
-        value: T = _KEPT[key]
-        return value
-
-    return return_cached_or_computed
-
-
-def _cache_key_of_call(call: partial[Any]) -> tuple[object, ...]:
-    """Return the key of a function call in the cache of compliance kernels: the function's name, then its arguments."""
-    return call.func.__name__, call.args, *call.keywords.items()
-
-
-def _store_result(key: tuple[object, ...], value: Any) -> None:
-    """Store the result of a call in the cache of compliance kernels; delete the oldest if there are more than `MOST`.
-
-    ``key``: key of the call, as from `_cache_key_of_call`; ``value``: its result.
-    """
-    _KEPT[key] = value
+def _store_result(call: KernelCall, value: Any) -> None:
+    """Keep the result of a call in memory."""
+    _KEPT[call] = value
     while len(_KEPT) > MOST:
         del _KEPT[next(iter(_KEPT))]
 
 
-@cache_by_arguments
+def kept_or_computed(call: KernelCall) -> Any:
+    """Return the result of a call that computes compliance kernels: from memory, or computed and kept."""
+    if call not in _KEPT:
+        _store_result(call, call[0](*call[1]))
+    return _KEPT[call]
+
+
 def compliance_kernel_of_ball(
     radius: float, zone: ContactZone, curvatures: tuple[float, float], young: float, poisson: float, degree: int
 ) -> ComplianceKernel:
@@ -550,10 +492,9 @@ def compliance_kernel_of_ball(
     body = contact_bodies.mesh_whole_ball(radius, zone)
     forces = nodal_forces_of_tractions(body, zone, degree, curvatures)
     half_space = half_space_compliance_on_same_nodes(body, zone, radius, young, poisson, degree)
-    return ComplianceKernel(compliance_of_free_body(body, forces, young, poisson) - half_space, zone.half_lengths, degree)
+    return ComplianceKernel(compliance_of_body(body, forces, young, poisson) - half_space, zone.half_lengths, degree)
 
 
-@cache_by_arguments
 def compliance_kernel_of_bar(
     groove: contact_bodies.Groove,
     size: float,
@@ -573,21 +514,11 @@ def compliance_kernel_of_bar(
     body = contact_bodies.mesh_grooved_bar(groove, size, zone)
     forces = nodal_forces_of_tractions(body, zone, degree, curvatures)
     half_space = half_space_compliance_on_same_nodes(body, zone, groove.ball_radius, young, poisson, degree)
-    return kernel_from_groove_response(compliance_of_fixed_body(body, forces, young, poisson) - half_space, zone, degree)
+    return kernel_from_groove_response(compliance_of_body(body, forces, young, poisson) - half_space, zone, degree)
 
 
-@cache_by_arguments
 def compliance_kernels_of_patches(
-    curve: BallPath,
-    radii: tuple[float, float],
-    angle: float,
-    zone: ContactZone,
-    curvatures: tuple[float, float],
-    young: float,
-    poisson: float,
-    degree: int,
-    *,
-    outer: bool,
+    at: ContactGeometry, zone: ContactZone, young: float, poisson: float, degree: int
 ) -> tuple[ComplianceKernel, ComplianceKernel]:
     """Compute the compliances of groove and of ball at a contact less that of a half-space (kernels), on fine meshes.
 
@@ -595,24 +526,16 @@ def compliance_kernels_of_patches(
 
     Parameters
     ----------
-    curve : BallPath
-        Path of the balls' centres.
-    radii : tuple[float, float]
-        Radii of ball and groove [m].
-    angle : float
-        Angle from the groove's bottom to the contact [rad].
+    at : ContactGeometry
+        Geometry of the contact, on a ring or a helix.
     zone : ContactZone
         Contact zone.
-    curvatures : tuple[float, float]
-        Curvatures along x and y of the surface that ball and groove share [1/m], positive towards the ball.
     young : float
         Young's modulus [Pa].
     poisson : float
         Poisson's ratio.
     degree : int
         Degree of the kernel's polynomials.
-    outer : bool
-        Whether the groove is that of the nut or outer ring.
 
     Returns
     -------
@@ -620,13 +543,12 @@ def compliance_kernels_of_patches(
         Kernels of the groove and of the ball.
     """
     kernels, elastic = [], (young, poisson)
-    pieces = mesh_contact_pieces(curve, *radii, angle, zone, on_nut_or_outer_ring=outer)
-    for cut, sense in zip(pieces, (1, -1), strict=True):
+    for cut, sense in zip(mesh_contact_pieces(at, zone), (1, -1), strict=True):
         body = ContactBody(cut.patch_mesh.mesh, cut.patch_mesh.contact_nodes, sense, cut.node_grid_indices)
         frame, lines = ContactAxes(cut.ball_centre, cut.contact_axes), cut.cell_boundaries
-        forces = nodal_forces_of_tractions(body, zone, degree, curvatures, frame)
+        forces = nodal_forces_of_tractions(body, zone, degree, at.shared_surface_curvatures, frame)
         matrix = coarse.compliance_of_patch_in_submodel(cut.body_piece, cut.patch_mesh, forces, *elastic)
-        half_space = half_space_compliance_on_same_nodes(body, zone, radii[0], *elastic, degree, frame, lines)
+        half_space = half_space_compliance_on_same_nodes(body, zone, at.ball_radius, *elastic, degree, frame, lines)
         kernels.append(matrix - half_space)
     return kernel_from_groove_response(kernels[0], zone, degree), ComplianceKernel(kernels[1], zone.half_lengths, degree)
 
@@ -714,23 +636,22 @@ class ContactGeometry:
 
 def _calls_that_compute_kernels(
     at: ContactGeometry, load: float, young: float, poisson: float, sizes: Sizes
-) -> list[partial[Any]]:
+) -> list[KernelCall]:
     """List the function calls that compute the compliance kernels of ball and groove at one contact.
 
     These are two calls for a whole ball and a grooved bar, or one call for the patches of both. ``at``: position of the
     contact; ``load``: contact load [N]; ``sizes``: mesh settings of the bodies.
     """
-    zone = at.contact_zone(load, young, poisson, sizes)
-    common = (zone, at.shared_surface_curvatures, young, poisson, sizes.degree)
-    radii = at.ball_radius, at.groove_radius
+    zone, settings = at.contact_zone(load, young, poisson, sizes), (young, poisson, sizes.degree)
     if sizes.patches and at.path_radius_and_rise is not None:
-        curve = BallPath(*at.path_radius_and_rise)
-        outer = at.groove_curvature_along > 0.0
-        return [partial(compliance_kernels_of_patches, curve, radii, at.contact_angle, *common, outer=outer)]
-    groove = contact_bodies.Groove(*radii, at.contact_angle, sizes.opening, at.groove_curvature_along)
+        return [(compliance_kernels_of_patches, (at, zone, *settings))]
+    groove = contact_bodies.Groove(
+        at.ball_radius, at.groove_radius, at.contact_angle, sizes.opening, at.groove_curvature_along
+    )
+    common = (zone, at.shared_surface_curvatures, *settings)
     return [
-        partial(compliance_kernel_of_ball, at.ball_radius, *common),
-        partial(compliance_kernel_of_bar, groove, sizes.bar * at.ball_radius, *common),
+        (compliance_kernel_of_ball, (at.ball_radius, *common)),
+        (compliance_kernel_of_bar, (groove, sizes.bar * at.ball_radius, *common)),
     ]
 
 
@@ -742,7 +663,7 @@ def _sum_kernels_of_contact(
 
     ``at``: position of the contact; ``load``: contact load [N]; ``sizes``: mesh settings of the bodies.
     """
-    kernels = [call() for call in _calls_that_compute_kernels(at, load, young, poisson, sizes)]
+    kernels = [kept_or_computed(call) for call in _calls_that_compute_kernels(at, load, young, poisson, sizes)]
     first, second = kernels if len(kernels) == 2 else kernels[0]
     kernel: ComplianceKernel = first + second
     return kernel if len(kernels) == 1 else kernel.symmetric_in_x
@@ -821,27 +742,18 @@ def compute_and_cache_kernels(
         The groove, ring or nut of a contact has no room for the contact zone or for a patch.
     """
     rounded = [_round_for_shared_kernel(at, load) for at, load in contacts]
-    calls = [call for contact in rounded for call in _calls_that_compute_kernels(*contact, young, poisson, sizes)]
-    missing = {key: call for call in calls if (key := _cache_key_of_call(call)) not in _KEPT}
+    calls = (call for contact in rounded for call in _calls_that_compute_kernels(*contact, young, poisson, sizes))
+    missing = [call for call in dict.fromkeys(calls) if call not in _KEPT]
     if processes == 1 or len(missing) < 2:
         return 0.0
-    jobs = [RecordJob("kernels", _run_call_without_cache, (call,), tuple) for call in missing.values()]
+    jobs = [RecordJob("kernels", _result_and_processor_time, call, tuple) for call in missing]
     results = compute_records(jobs, Cache(None), processes)
-    for key, result in zip(missing, results, strict=True):
-        _store_result(key, result.result[0])
+    for call, result in zip(missing, results, strict=True):
+        _store_result(call, result.result[0])
     return float(sum(result.result[1] for result in results))
 
 
-def _run_call_without_cache(call: partial[Any]) -> tuple[Any, float]:
-    """Compute a compliance kernel in a worker process, without caching it there.
-
-    ``call``: call of a function that `cache_by_arguments` decorates. Returns the kernel and the processor time [s].
-    """
+def _result_and_processor_time(make: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[Any, float]:
+    """Compute compliance kernels in a worker process, without keeping them there; also returns the processor time [s]."""
     begin = process_time()
-    return call.func.__wrapped__(*call.args, **call.keywords), process_time() - begin  # type: ignore[attr-defined]
-
-
-def clear_kernel_cache() -> None:
-    """Delete all compliance kernels of finite bodies that are cached in memory."""
-    _sum_kernels_of_contact.cache_clear()
-    _KEPT.clear()
+    return make(*arguments), process_time() - begin

@@ -327,14 +327,8 @@ def solve_normal_contact_by_patches(
     ValueError
         The track is straight.
     """
-    if at.path_radius_and_rise is None:
-        raise ValueError(
-            "the static 3D reference does not model straight tracks: the balls must move along a ring or a helix"
-        )
     zone = at.contact_zone(load, young, poisson, replace(Sizes(), cells=cells, growth=2.0, margin=1.2))
-    path, outer = bodies.BallPath(*at.path_radius_and_rise), at.groove_curvature_along > 0.0
-    geometry = at.ball_radius, at.groove_radius, at.contact_angle
-    groove, ball = bodies.mesh_contact_pieces(path, *geometry, zone, on_nut_or_outer_ring=outer)
+    groove, ball = bodies.mesh_contact_pieces(at, zone)
     arms = groove.patch_mesh.points[groove.patch_mesh.contact_nodes] - groove.ball_centre
     length = np.linalg.norm(arms, axis=1)
     normals = arms / length[:, None]
@@ -461,7 +455,8 @@ def kernel_of_two_balls(
     balls.
     """
     zone = ContactZone((sizes.margin * semi,) * 2, sizes.cells, sizes.growth)
-    ball = bodies.compliance_kernel_of_ball(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)
+    arguments = radius, zone, (0.0, 0.0), young, poisson, sizes.degree
+    ball: rolling_patch.ComplianceKernel = bodies.kept_or_computed((bodies.compliance_kernel_of_ball, arguments))
     return ball + bodies.kernel_from_groove_response(ball.M, zone, sizes.degree)
 
 
