@@ -2,49 +2,17 @@
 
 import numpy as np
 import pytest
+from tests.shipped_texts import changed
 
 from rollbench.compare.scenes.scene_file import parse_scene
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 
-BEARING = """
-title = "6205"
-kind = "axis"
-[material]
-youngs_modulus = "206 GPa"
-poissons_ratio = 0.3
-[screw]
-length = "100 mm"
-outer_diameter = "25 mm"
-conformity = 0.52
-[[supports]]
-at = "50 mm"
-fix = ["ux", "uy", "uz", "rx", "ry", "rz"]
-[[sets]]
-name = "row"
-thrust = "deep groove"
-[sets.track]
-pitch_diameter = "39 mm"
-lead = "0 mm"
-clearance = { radial = "CLEARANCE um" }
-[sets.screw]
-outer_diameter = "33 mm"
-conformity = 0.52
-[sets.nut]
-position = "50 mm"
-length = "15 mm"
-outer_diameter = "52 mm"
-conformity = 0.53
-[sets.balls]
-diameter = "7.938 mm"
-count = 9
-turns = 1
-[sets.errors.balls]
-oversize = "OVERSIZE um"
-"""
-
 
 def loads(clearance, oversize):
-    text = BEARING.replace("CLEARANCE", str(clearance)).replace("OVERSIZE", str(oversize))
+    """Contact loads of a deep groove bearing whose inner ring is held: it bears no load but the press fit's."""
+    held = ('fix = ["uy"', 'fix = ["ux", "uz", "uy"')
+    fit = ('contact_angle = "15.44449456 deg"', f'clearance = {{ radial = "{clearance} um" }}')
+    text = changed("public/b1-nptel-clearance", held, fit) + f'[sets.errors.balls]\noversize = "{oversize} um"\n'
     return solve_assembly(parse_scene(text, "press.toml")).sets[0].balls.load
 
 
