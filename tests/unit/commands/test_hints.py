@@ -1,27 +1,10 @@
 """Hints on the command line: commands that a shell takes as printed, names like a misspelt one, a limit that is a share."""
 
-import shlex
-
 import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.files import similar_paths
 from rollbench.compare.scenes import catalogue
-
-
-def hinted(text: str) -> list[str]:
-    """Words of the last command that a text names."""
-    line = next(line for line in reversed(text.splitlines()) if "rollbench " in line)
-    return shlex.split(line[line.rindex("rollbench ") :])
-
-
-def test_a_kind_that_only_friction_solves_is_hinted_by_the_name_that_was_given(tmp_path) -> None:
-    file = tmp_path / "my pair.toml"
-    file.write_text(catalogue.shipped_scene_text("lin-pair-a"), encoding="utf-8")
-    with pytest.raises(InputError) as caught:
-        catalogue.scene(str(file))
-    assert hinted(caught.value.advice) == ["rollbench", "friction", str(file)]
-
 
 SUGGESTED = {
     "'screw 40.toml'": ("srcew 40.toml", "Screw-40.toml", "screw40.toml"),

@@ -14,7 +14,6 @@ from rollbench.compare import cli, errors, files
 from rollbench.compare.report import several
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.meshes.files import temporary_path
-from rollbench.reports.cells import escape_formula
 
 FULL = pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs the device /dev/full")
 SAID = "rollbench: standard output: No space left on device\n"
@@ -122,12 +121,6 @@ def test_control_characters_of_a_scene_are_escaped():
     assert scene.name == "bad\\x1bname"
 
 
-def test_formulas_in_tables_are_neutralised_and_numbers_and_words_stay():
-    formulas, others = ("=1+1", "+cmd", "-2+3", "@SUM(A1)", "\t=1"), ("-3.5", "+1e-9", "plain", "", "–", "-5 um")
-    assert [escape_formula(text) for text in formulas] == [f"'{text}" for text in formulas]
-    assert [escape_formula(text) for text in others] == [*others]
-
-
 def test_an_output_that_cannot_be_made_is_refused_before_any_work(tmp_path, monkeypatch, command):
     (tmp_path / "file").write_text("")
     for bad in (tmp_path, tmp_path / "file" / "x.npz"):
@@ -154,16 +147,11 @@ print(draw_figure(Figure("f", "t", [Panel("p", "x", "y", [Series("a", [0.0, 1.0]
     assert drawn[0].stdout == drawn[1].stdout
 
 
-#: Its hint names bodies that it condenses from nothing.
-COMPARE = pytest.param(["compare"], marks=pytest.mark.slow)
-
-
-@pytest.mark.parametrize("words", [COMPARE, ["solve", "--loads-csv", "b\x1b.csv"]])
-def test_escape_characters_of_names_are_not_printed_raw(words, tmp_path, monkeypatch, command):
+def test_escape_characters_of_names_are_not_printed_raw(tmp_path, monkeypatch, command):
     name = "a\x1b[31mred\x07.toml"
     (tmp_path / name).write_text(catalogue.shipped_scene_text("two-balls"), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    for said in (command(*words, name), command("new", "c\x1b.toml", "--like", "40x10")):
+    for said in (command("solve", "--loads-csv", "b\x1b.csv", name), command("new", "c\x1b.toml", "--like", "40x10")):
         assert "\x1b" not in said.out + said.err
         assert "\\x1b" in said.out + said.err
 

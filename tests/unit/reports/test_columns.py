@@ -1,16 +1,9 @@
 """Columns of the report's tables: their file, and tables made of them."""
 
-from collections import Counter
-
 import pytest
 
 from rollbench.reports.cells import format_cell
 from rollbench.reports.content import Table, _entries_of_columns, table_column
-
-
-def test_no_two_names_are_one_column():
-    same = Counter(tuple(sorted(entry.items())) for entry in _entries_of_columns().values())
-    assert [entry for entry, count in same.items() if count > 1] == []
 
 
 @pytest.mark.parametrize("name", _entries_of_columns())

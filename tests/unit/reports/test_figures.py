@@ -11,7 +11,7 @@ from tests.report_samples import figure
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.sections.sketches import sketch_scene
 from rollbench.reports import figures, pages
-from rollbench.reports.content import Panel, Series, Sketch
+from rollbench.reports.content import Panel, Series
 from rollbench.reports.sketch import FORCE, draw_sketch
 
 pytestmark = pytest.mark.xdist_group("a figure")
@@ -96,11 +96,6 @@ class TestInAPage:
 
 
 SVG = "{http://www.w3.org/2000/svg}"
-
-
-def drawn(name: str) -> tuple[Sketch, ElementTree.Element]:
-    sketch = sketch_scene(catalogue.scene(name), "s", "S")
-    return sketch, ElementTree.fromstring(draw_sketch(sketch))
 
 
 def test_arrows_point_where_loads_push() -> None:

@@ -16,7 +16,7 @@ from tests.report_samples import contents, figure, report, screw, table
 from rollbench.meshes.cache import record_from_bytes, record_to_bytes
 from rollbench.reports import cells, field3d, pages, scene3d
 from rollbench.reports.content import FieldPicture, Picture, Table, TableColumn
-from rollbench.reports.pages import MARKER, SEARCH, table_template_data
+from rollbench.reports.pages import MARKER, SEARCH
 
 
 class Page(HTMLParser):
@@ -211,15 +211,6 @@ class TestCells:
             ["b, c", "", "nan", "open", "contradicted", "false"],
             ["two\nlines", "210000000.0", "", "as-printed", "open", "true"],
         ]
-
-
-def test_a_column_for_the_csv_file_only_is_in_it_and_not_on_the_page(tmp_path):
-    (tmp_path / "tables").mkdir()
-    shown, apart = TableColumn("a", "first"), TableColumn("b", "second")
-    found = table_template_data(Table("t", "T", {shown: [1.0], apart: [2.0]}, csv_only=[apart]), tmp_path)
-    assert [column["label"] for column in found["columns"]] == ["first"]
-    assert (tmp_path / "tables" / "t.csv").read_text(encoding="utf-8").split() == ["first,second", "1.0,2.0"]
-    assert "second" in found["note"]
 
 
 def test_rows_for_the_csv_file_only_are_in_it_and_not_on_the_page(tmp_path):

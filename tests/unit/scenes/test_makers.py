@@ -42,17 +42,6 @@ def test_a_double_nut_is_asked_for_or_is_what_the_maker_prints() -> None:
     assert scene("Rexroth 40 x 10L x 6-4").track.hand == "left"
 
 
-def test_what_is_not_printed_is_assumed_and_said_so() -> None:
-    text = scene_text_of_catalogue_part("THK BNF 2005-5")
-    assert 'diameter = "3.175 mm"  # assumed' in text
-    assert any("ball is not printed" in line for line in scene("THK BNF 2005-5").assumed)
-    assert not any("ball is not printed" in line for line in scene("HIWIN R40-10T4-FSI").assumed)
-    stiff = scene_text_of_catalogue_part("HIWIN R40-10T4-FSI").splitlines()
-    assert [line[0] for line in stiff if "510 N/um" in line] == ["#"]
-    both = scene_text_of_catalogue_part("Rexroth 40 x 10R x 6-4").count("% of C\n")
-    assert both == len(makers.printed_rigidities_of_preloads(makers.find_part("Rexroth 40 x 10R x 6-4"))) > 1
-
-
 def test_a_misprint_is_not_taken_over_silently() -> None:
     found = scene("SFE5050-6")
     assert (found.rating.dynamic, round(found.rating.static)) == (None, round(27600 * 9.80665, -1))

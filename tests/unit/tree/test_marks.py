@@ -15,9 +15,7 @@ MARKED = "import pytest\ndef test_plain(): pass\n" + "".join(
 RUNS = {
     "": "c-plain c-slow_of_every_run h-slow_of_every_run s-slow_of_every_run w-slow_of_every_run",
     "tests/test_w.py": "w-plain w-slow w-slow_of_every_run",
-    "-m slow": " ".join(f"{module}-{name}" for module in "chsw" for name in ("slow", "slow_of_every_run")),
     "-m further and not slow": "h-installs h-plain h-survey s-installs s-plain s-survey w-installs w-plain w-survey",
-    "-m installs": "c-installs h-installs s-installs w-installs",
 }
 
 
