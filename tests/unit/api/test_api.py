@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from tests.load_cases import written
 from tests.processes import python
-from tests.shipped_texts import changed
 from tests.slow import all_slow_but
 
 import rollbench
@@ -80,31 +79,6 @@ def test_the_worst_contact_is_that_of_the_largest_pressure(name: str, member: in
         worst = one.worst
         assert (worst.element, worst.side, worst.pressure) == (i + 1, SIDES[s], pytest.approx(one.pressure[i, s]))
         assert (worst.force, worst.angle) == (one.loads[i, s], one.angles[i, s])
-
-
-def test_rollers_have_loads_of_their_own(tmp_path: Path) -> None:
-    (tmp_path / "rollers.toml").write_text(changed("rollers", ('warming = "10 K"', 'warming = "0 K"')))
-    found = rollbench.solve(tmp_path / "rollers.toml")
-    rows = [one for one in found.sets.values() if one.roller_loads is not None]
-    assert rows
-    assert all(one.loads is None and (one.life is None) == (one.worst is None) for one in rows)
-    assert any(one.worst is not None and one.worst.angle is None and one.worst.side in ("inner", "outer") for one in rows)
-
-
-def test_load_cases_by_name(tmp_path: Path, command) -> None:
-    path = written(tmp_path)
-    found, data = rollbench.solve(path, "lin"), command.answer("solve", path, "--model", "lin")
-    assert [*found.cases] == ["balls", "push", "loose"]
-    assert (found.loads, found.displacement) == (None, None)
-    for one, printed in zip(found.cases.values(), data["cases"], strict=True):
-        np.testing.assert_allclose(one.loads, balls_of(printed, "load_N", 2))
-    assert found.worst == found.cases["push"].worst
-    assert 1e-6 * found.worst.pressure == pytest.approx(data["summary"]["largest_pressure_MPa"])
-    assert (found.life, data["summary"]["life"]) == (None, None), "ISO 281 covers no preload"
-    assert "preload" in found.life_words
-    printed = data["summary"]["reference_life"]["L10r_million_revolutions"]
-    assert printed == pytest.approx(found.reference_life.revolutions)
-    assert found.columns()["case"] == ["balls"] * 2 + ["push"] * 2 + ["loose"] * 2
 
 
 def test_without_equilibrium_there_are_no_answers() -> None:
@@ -178,16 +152,6 @@ def test_values_have_units(solved: rollbench.Result) -> None:
         solved.quantity("summary.loads.worst_ball")
 
 
-def test_a_scene_is_a_record_that_can_be_changed(tmp_path: Path) -> None:
-    scene = rollbench.read("lin-case1")
-    half = replace(scene, loads=tuple(replace(x, force=tuple(0.5 * f for f in x.force)) for x in scene.loads))
-    less, whole = (rollbench.solve(one, "lin").loads.sum() for one in (half, scene))
-    assert less == pytest.approx(0.5 * whole, rel=0.02)
-    (tmp_path / "bad.toml").write_text("[track]\nlead = 3\n")
-    with pytest.raises(rollbench.InputError):
-        rollbench.read(tmp_path / "bad.toml")
-
-
 def test_models_are_compared_with_a_stored_reference(tmp_path: Path) -> None:
     found = rollbench.compare_models("lin-case1", ["lin"], store=tmp_path)
     lin, exact = found.models["lin"], found.reference
@@ -202,16 +166,6 @@ def test_models_are_compared_with_a_stored_reference(tmp_path: Path) -> None:
     data = found.to_dict()
     assert data["models"]["lin"]["largest_error_percent"] == lin.largest_error
     assert data["answers"]["3D reference"]["worst_contact"]["pressure_MPa"] == pytest.approx(1e-6 * exact.pressure)
-
-
-@pytest.mark.slow
-def test_several_sets_are_compared_and_judged_one_by_one(tmp_path: Path) -> None:
-    found = rollbench.compare_models("double-nut", ["lin"], store=tmp_path)
-    assert [*found.sets] == ["nut 1", "nut 2"]
-    assert found.reference is None
-    assert all(one.errors for one in found.sets.values())
-    judged = rollbench.check("double-nut", compute=False, store=tmp_path)
-    assert [row.set for row in judged.rows] == ["nut 1", "nut 2"]
 
 
 def test_a_verdict_has_typed_rows(tmp_path: Path, command) -> None:
@@ -269,15 +223,6 @@ def test_records_with_arrays_differ_by_one_element() -> None:
     answers = [rollbench.ModelAnswer(np.full((2, 4), load)) for load in (1.0, 1.0, 2.0)]
     assert (answers[0] == answers[1], answers[0] == answers[2], len({*answers})) == (True, False, 2)
     assert answers[0] != rollbench.ModelAnswer(np.ones((2, 4)), np.zeros(6))
-
-
-def test_a_study_of_meshes_takes_stored_runs(tmp_path: Path) -> None:
-    study = rollbench.mesh_study("two-balls", store=tmp_path)
-    assert [row.level for row in study.levels] == [1, 3]
-    data = study.to_dict()
-    largest, printed = study.quantities[0], data["quantities"][0]
-    assert (largest.name, largest.values) == ("largest load, SL", (printed["level 1"], printed["level 3"]))
-    assert largest.uncertainty == printed["uncertainty"] > 0.0
 
 
 def test_an_ensemble_has_typed_statistics(command) -> None:

@@ -1,6 +1,5 @@
 """The command line as a user meets it: exit codes, one line for bad input, exactly one JSON object."""
 
-import json
 import re
 import shlex
 import tomllib
@@ -16,15 +15,6 @@ from rollbench.compare.scenes.kinds import friction_scene_kinds
 
 #: Command lines that are refused: exit status 2, nothing on standard output and one line that says why.
 REFUSED = tomllib.loads(Path(__file__).with_name("refused.toml").read_text(encoding="utf-8"))["refused"]
-
-
-def test_json_is_exactly_one_object(command) -> None:
-    code, out, err = command("solve", "lin-case1", "--json")
-    data = json.loads(out)
-    assert (code, err) == (0, "")
-    assert (data["scene"], data["model"], data["status"]) == ("lin-case1", "refined", "converged")
-    assert [set(ball["load_N"]) for ball in data["balls"]] == [{"SL", "SR", "NL", "NR"}] * 32
-    assert data["equilibrium"]["force_residual"] < 1e-12
 
 
 def test_a_scene_without_equilibrium_is_said_and_exits_1(command, scene_file) -> None:
@@ -55,13 +45,6 @@ def test_new_scene_of_a_kind_solves_as_written(kind: str, command, tmp_path: Pat
     advised = command.said("new", file, "--kind", kind).split("rollbench ")[1].split()[0]
     assert advised == ("friction" if kind in KINDS[2:] else "solve")
     command.answer(advised, file)
-
-
-def test_list_and_schema(command) -> None:
-    out = command.said("list")
-    assert [words for words in ("lin-case1", "lin-B1", "scenes, linear pair\n  lin-pair-a") if words not in out] == []
-    assert "lin-screw-run" in command.answer("list")["scenes"]["screw run"]
-    assert json.loads(command.said("schema"))["oneOf"]
 
 
 def test_a_foreign_folder_takes_no_report(command, tmp_path: Path) -> None:

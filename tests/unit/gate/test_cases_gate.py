@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests import two_balls
 from tests.load_cases import SHIPPED, case, written
 from tests.load_cases import TEXT as WITH_STORED
 
@@ -17,7 +16,6 @@ from rollbench.compare.gate import user
 from rollbench.compare.models import comparison as references
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import run_model
-from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.store import load_stored_run, save_run, shipped_store
 from rollbench.compare.reference.tasks import (
     ball_slices_by_set,
@@ -27,7 +25,6 @@ from rollbench.compare.reference.tasks import (
 )
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.catalogue import shipped_scene_text
-from rollbench.hifi import setup
 from rollbench.lowfi.rating.life import basic_rating_life, damage_equivalent_loads
 
 pytestmark = pytest.mark.slow
@@ -115,27 +112,6 @@ def test_a_file_of_loads_is_judged_case_by_case(command, tmp_path) -> None:
     assert (code, verdicts(found)) == (1, {"rest": "pass", "push": "pass", "loose": "fail"})
     loads.write_text(re.sub(r"push,.*\n", "", loads.read_text()))
     assert "no rows of case push" in command.refused(*words), "a case whose rows are missing is not passed over"
-
-
-@pytest.mark.slow
-def test_one_file_with_three_cases_goes_through_all_commands_with_one_set_of_bodies(command, tmp_path, monkeypatch) -> None:
-    path, store, set_ups, prepare = written(tmp_path, TEXT), tmp_path / "store", [], setup.mesh_and_condense_geometry
-    monkeypatch.setattr(
-        setup, "mesh_and_condense_geometry", lambda *given, **options: set_ups.append(1) or prepare(*given, **options)
-    )
-    monkeypatch.setitem(LEVELS, 1, LEVELS[1] | {"b_over_h": 1.0, **two_balls.COARSE})
-    lin, limits = ("--model", "lin"), ("--limit", "life=50", "--limit", "contact angle=5")
-    for words in (
-        ("solve", path, *lin),
-        ("compare", path, "--levels", "1", "--store", store),
-        ("check", path, *lin, "--stored", store, *limits),
-        ("friction", path, *lin),
-    ):
-        _, found = command.json(*words, "--json")
-        assert list(dict.fromkeys(one["case"] for one in found["cases"])) == ["rest", "push", "loose"], words
-        assert "summary" in found or found["worst_cases"], words
-    assert "Of 3 load cases" in command.said("report", path, "--out", tmp_path / "page", "--store", store)
-    assert len(set_ups) == 1
 
 
 PARTS = shipped_scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.0")
@@ -240,15 +216,6 @@ REFUSED = [
 @pytest.mark.parametrize(("table", "words"), REFUSED)
 def test_what_a_case_of_several_sets_cannot_have_is_one_line(command, tmp_path: Path, table: str, words: str) -> None:
     assert words in command.refused("solve", written_nuts(tmp_path, PARTS + CASES + table))
-
-
-def test_friction_report_and_sweep(command, tmp_path: Path) -> None:
-    found = command.answer("friction", written_nuts(tmp_path), "--model", "lin")
-    torques = [one["torque"]["friction_torque_Nmm"] for one in found["cases"]]
-    assert found["summary"]["mean_friction_torque_Nmm"] == pytest.approx(0.7 * torques[0] + 0.3 * torques[1])
-    vary = ["sets[0].offset=-4 um,-5 um"]
-    swept = rollbench.sweep(written_nuts(tmp_path), vary, samples=2, method="grid", model="lin", out=tmp_path / "sweep")
-    assert swept.converged == 2
 
 
 def test_a_double_nut_is_judged_by_its_own_3d(command):

@@ -126,17 +126,6 @@ def test_a_size_beyond_the_rules_is_refused() -> None:
             new_scene_text("ball screw", size)
 
 
-def test_new_like_from_the_command_line(tmp_path, command) -> None:
-    assert "without --kind" in command.refused("new", tmp_path / "a.toml", "--like", "40x10", "--kind", "bearing")
-    for kind, text in (
-        ((), new_scene_text("ball screw", "40x10")),
-        (("--kind", "double-nut"), new_scene_text("double nut", "40x10")),
-    ):
-        file = tmp_path / f"{len(kind)}.toml"
-        assert command("new", file, "--like", "40x10", *kind).code == 0
-        assert file.read_text(encoding="utf-8") == text
-
-
 @pytest.mark.parametrize("size", ["6x1", "40x10", "63x20", "20x20"])
 def test_a_double_nut_of_a_nominal_size_is_preloaded_by_a_part_of_its_rating(size: str) -> None:
     found = scene_file.parse_scene(new_scene_text("double nut", size), "d.toml")

@@ -2,8 +2,6 @@
 
 import math
 import re
-import subprocess
-import sys
 from dataclasses import replace
 
 import pytest
@@ -89,19 +87,3 @@ def test_hash_and_key_do_not_know_the_role():
     assert other == scene
     one, two = (content_key_of_run(x, "", {"b_over_h": 2.0}, (0, 3)) for x in (scene, other))
     assert one == two
-
-
-DRAWING = {"gmsh", "pyvista", "matplotlib", "scipy.spatial"}
-
-
-def test_no_slow_package_is_imported():
-    """`list` reads no scene whole and needs no scipy; names of scenes need no meshes and pictures, records of a report
-    nothing that draws."""
-    for code, heavy in (
-        ("import rollbench.reports.content", {"matplotlib", "pyvista", "vtk", "jinja2"}),
-        ("import rollbench.compare.commands.printed", {"scipy.linalg", "pydantic"}),
-        ("from rollbench.compare.scenes import catalogue; catalogue.scene_names()", DRAWING),
-    ):
-        asked = f"import sys; {code}; print({heavy!r} & sys.modules.keys() or 'none')"
-        out = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True)
-        assert out.stdout.strip() == "none", (code, out.stdout, out.stderr)
