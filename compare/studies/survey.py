@@ -45,8 +45,8 @@ from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.scene_text import toml_of_tables
 from rollbench.meshes.solid import dimensions_of_3d_parts
-from rollbench.meshes.units import toml_text
 
 #: Seed of the survey; seed of the screws that were drawn after the last change of the models.
 SEED, NEW_SEED = 20360, 20261130
@@ -162,7 +162,7 @@ def random_screw_scene_text(seed: int, number: int) -> str:
         del scene["solid"]
         scene["title"] += ", flange"
         scene["nut"] |= _draw_flange(rng, nut_length, outside)
-    return _scene_as_toml(scene)
+    return toml_of_tables(scene)
 
 
 def random_double_nut_scene_text(seed: int, number: int) -> str:
@@ -220,7 +220,7 @@ def random_double_nut_scene_text(seed: int, number: int) -> str:
         "loads": _draw_loads(rng, force, pitch / 2.0, f"{middle:.4g} mm"),
         "sets": sets,
     }
-    return _scene_as_toml(scene)
+    return toml_of_tables(scene)
 
 
 def _draw_track_and_screw(
@@ -369,27 +369,9 @@ def _draw_nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> floa
     The length is rounded up to micrometres. ``scene``: keys of the scene drawn so far, with a nut that is
     long enough for all balls.
     """
-    read = scene_file.scene_from_text(_scene_as_toml({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
+    read = scene_file.scene_from_text(toml_of_tables({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
     reach = float(np.abs(ball_layout(read).z - read.nut.position).max())
     return round(1e3 * 2.0 * (reach + read.balls.radius * _draw_log_uniform(rng, 1.0, 6.0)) + 5e-4, 3)
-
-
-def _scene_as_toml(scene: Mapping[str, Any]) -> str:
-    """Return the keys of a scene as TOML text: plain values and lists first, then tables and lists of tables."""
-    plain = {k: v for k, v in scene.items() if not isinstance(v, Mapping) and not _is_list_of_tables(v)}
-    lines = [f"{k} = {toml_text(v)}" for k, v in plain.items()]
-    for name, value in scene.items():
-        if isinstance(value, Mapping):
-            lines += ["", f"[{name}]", *(f"{k} = {toml_text(v)}" for k, v in value.items())]
-        elif _is_list_of_tables(value):
-            for row in value:
-                lines += ["", f"[[{name}]]", *(f"{k} = {toml_text(v)}" for k, v in row.items())]
-    return "\n".join(lines) + "\n"
-
-
-def _is_list_of_tables(value: Any) -> bool:
-    """Return whether a value of a scene key is written as a list of TOML tables."""
-    return isinstance(value, list) and bool(value) and isinstance(value[0], Mapping)
 
 
 #: Models that are compared with the 3D reference, and its mesh level.
