@@ -110,8 +110,6 @@ class RollingResult:
     status: str
     #: Residual of the friction solver: `FrictionSolution.residual`.
     residual: float
-    #: Number of Newton steps of the friction solver.
-    newton_step_count: int
     #: Processor time of the solution [s].
     cpu_seconds: float
     #: Full solution of the friction solver: forces, slips and motions.
@@ -475,7 +473,7 @@ def _collect_rolling_result(
         pulls = m.force_on_first_ball(float(f), scene.ball_friction_coefficient, slide)
         for ball, sign in ((m.first_ball, 1.0), (m.second_ball, -1.0)):
             between[ball] += sign * (scene.balls[ball].axes @ pulls)
-    rub, how = ball_contact_losses(scene, solution.motions), (solution.status, solution.residual, solution.steps)
+    rub, how = ball_contact_losses(scene, solution.motions), (solution.status, solution.residual)
     return RollingResult(speed, rotation, force, rub, wrench, between, power, tuple(outs), *how, seconds, solution)
 
 

@@ -13,7 +13,7 @@ g, for any r > 0; Newton's method on that root (Alart and Curnier 1991) solves b
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -334,7 +334,7 @@ def _projection_parameter(c: FrictionContact) -> Array:
 
 
 def solve_rigid_friction(
-    contacts: Sequence[FrictionContact], balance: Balance, y: Array, smoothing_ratios: tuple[float, ...] = PATH
+    contacts: Sequence[FrictionContact], balance: Balance, y: Array, smoothing_ratios: tuple[float, ...]
 ) -> tuple[Array, float]:
     """Find the motions of rigid bodies at which friction in all contacts and the other forces are in equilibrium.
 
@@ -346,9 +346,9 @@ def solve_rigid_friction(
         Function of the k rigid motions y that returns the generalised forces f other than friction, and df/dy.
     y : (k,) Array
         Starting values of the motions of all bodies.
-    smoothing_ratios : tuple[float, ...], default PATH
-        Slip speeds by which Coulomb's law is smoothed in successive solutions, divided by the largest slip; in descending
-        order.
+    smoothing_ratios : tuple[float, ...]
+        Two or more slip speeds by which Coulomb's law is smoothed in successive solutions, divided by the largest slip; in
+        descending order.
 
     Returns
     -------
@@ -364,11 +364,7 @@ def solve_rigid_friction(
         The search ends without equilibrium.
     """
     system = _FrictionProblem(contacts, balance)
-    speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
-    forces, last = [coulomb_friction_forces(c.friction_limits, c.rigid_slip(y), speed) for c in contacts], y
-    for ratio in smoothing_ratios:
-        last = y
-        forces, y = _solve_smoothed_friction(system, forces, y, ratio * speed, elastic=False)
+    *_, (_, _, last), (_, forces, y) = _solve_with_less_and_less_smoothing(system, y, smoothing_ratios, elastic=False)
     left = float(np.abs(system.unbalanced_forces(forces, y)).max()) / max(float(c.friction_limits.sum()) for c in contacts)
     if not left <= RIGID:
         raise ValueError(
@@ -412,26 +408,33 @@ def solve_friction(
         The solution.
     """
     system = _FrictionProblem(contacts, balance)
-    y = np.zeros(0) if y is None else np.asarray(y, dtype=float).copy()
+    y = np.zeros(0) if y is None else np.asarray(y, dtype=float)
     if q is not None:
-        solution = _solve_coulomb_friction(system, [v.copy() for v in q], y)
+        solution = _solve_coulomb_friction(system, q, y)
         if solution.converged:
             return solution
-    speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
-    start = y.copy()
-    forces = [coulomb_friction_forces(c.friction_limits, c.rigid_slip(y), speed) for c in contacts]
-    for ratio in smoothing_ratios:
-        forces, y = _solve_smoothed_friction(system, forces, y, ratio * speed, elastic=False)
-    solution = _solve_coulomb_friction(system, forces, y)
+    *_, (_, forces, moved) = _solve_with_less_and_less_smoothing(system, y, smoothing_ratios, elastic=False)
+    solution = _solve_coulomb_friction(system, forces, moved)
     if solution.converged:
         return solution
-    y = start
-    forces = [coulomb_friction_forces(c.friction_limits, c.rigid_slip(y), speed) for c in contacts]
-    for ratio in smoothing_ratios:
-        forces, y = _solve_smoothed_friction(system, forces, y, ratio * speed, elastic=True)
-        if ratio > SHARPEST:
-            continue
-        solution = _solve_coulomb_friction(system, [v.copy() for v in forces], y)
-        if solution.converged:
-            return solution
+    for ratio, forces, moved in _solve_with_less_and_less_smoothing(system, y, smoothing_ratios, elastic=True):
+        if ratio <= SHARPEST:
+            solution = _solve_coulomb_friction(system, forces, moved)
+            if solution.converged:
+                break
     return solution
+
+
+def _solve_with_less_and_less_smoothing(
+    system: _FrictionProblem, y: Array, smoothing_ratios: Sequence[float], *, elastic: bool
+) -> Iterator[tuple[float, list[Array], Array]]:
+    """Yield each ratio with the forces and motions under Coulomb's law smoothed by it, each solved from those before.
+
+    ``y``: starting values of the motions; ``smoothing_ratios``: slip speeds by which the law is smoothed, divided by the
+    largest slip of rigid bodies at ``y``; ``elastic``: whether the contacts yield tangentially.
+    """
+    speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in system.contacts)
+    forces = [coulomb_friction_forces(c.friction_limits, c.rigid_slip(y), speed) for c in system.contacts]
+    for ratio in smoothing_ratios:
+        forces, y = _solve_smoothed_friction(system, forces, y, ratio * speed, elastic=elastic)
+        yield ratio, forces, y
