@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.conftest import refuse
 
 from rollbench.compare.cli import main
 
@@ -60,7 +61,7 @@ def means(value: Any, left_out: Callable[[str], Any], *, properties: bool = Fals
 
 
 def answered(words: list[str], scene: str = "") -> tuple[int, dict[str, Any], str]:
-    """Exit code of a command in a folder with the file drawn.toml, its answer as JSON, and what it says of a refusal."""
+    """Exit code of a command in a folder with the file drawn.toml, its strict JSON, and what it says of a refusal."""
     said, unsaid = io.StringIO(), io.StringIO()
     with (
         tempfile.TemporaryDirectory() as folder,
@@ -71,7 +72,7 @@ def answered(words: list[str], scene: str = "") -> tuple[int, dict[str, Any], st
         Path("drawn.toml").write_text(scene, encoding="utf-8")
         with pytest.raises(SystemExit) as stop:
             main([*words, "--json"])
-    return stop.value.code, json.loads(said.getvalue() or "{}"), unsaid.getvalue()
+    return stop.value.code, json.loads(said.getvalue() or "{}", parse_constant=refuse), unsaid.getvalue()
 
 
 def write(record: Path, rows: dict[str, Any]) -> None:
