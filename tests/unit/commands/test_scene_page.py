@@ -98,10 +98,7 @@ def test_scenes_stand_side_by_side_with_the_numbers_of_their_pages(both) -> None
     assert sorted(path.name for path in (folder / "out").iterdir()) == ["index.html", "two-balls.html", "two.html"]
     index = (folder / "out" / "index.html").read_text(encoding="utf-8")
     assert re.findall(r'<dt><a href="(.*?)">', index) == ["two-balls.html", "two.html"]
-    head, *lines = re.findall(r"<tr>(.*?)</tr>", index, flags=re.DOTALL)
-    names = ["two-balls", "two, balls", "two, push", "two, loose"]
-    shown = [name.strip() for name in re.findall(r"<th[^>]*>([^<]*)", head)[2:]]
-    assert shown == [names[0], *(x for name in names[1:] for x in (name, f"{name}, from two-balls"))]
+    _, *lines = re.findall(r"<tr>(.*?)</tr>", index, flags=re.DOTALL)
     cells = {row[0]: [x.replace("−", "-") for x in row[2:]] for row in (re.findall(r"<td[^>]*>([^<]*)", x) for x in lines)}
     pages = ((folder / "out" / name).read_text(encoding="utf-8") for name in ("two-balls.html", "two.html"))
     one, cases = (read_page_data(page)["results"] for page in pages)

@@ -171,7 +171,7 @@ FAULTY = {
 def test_a_faulty_model_is_one_error(installed, command, fault):
     text, expected = FAULTY[fault]
     installed(text)
-    for words in (("solve", "lin-case1"), ("compare", "lin-case1"), ("check", "lin-case1", "--no-compute")):
+    for words in (("solve", "lin-case1"), ("check", "lin-case1", "--no-compute")):
         assert expected in command.refused(*words, "--model", "mine")
 
 

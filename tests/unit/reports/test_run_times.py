@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -49,33 +50,22 @@ def test_what_is_saved_is_read_with_what_it_was_measured_with(tmp_path):
 
 
 def test_a_measuring_run_goes_on_where_it_stopped(tmp_path):
-    typed, tried = kept_times.CommandTime("list", 0.5), []
-
-    def time_of(name, time):
-        def measure():
-            tried.append(name)
-            if time is None:
-                raise KeyboardInterrupt
-            return time
-
-        return measure
-
+    typed = kept_times.CommandTime("list", 0.5)
     jobs = {
-        ("lin-case1", "lin"): time_of("model", kept_times.RunTime(0.4, 1e-3, 99.0)),
-        ("lin-case1", 4): time_of("level", KEPT.times["lin-case1", 4]),
-        ("list",): time_of("stopped", None),
+        ("lin-case1", "lin"): Mock(return_value=kept_times.RunTime(0.4, 1e-3, 99.0)),
+        ("lin-case1", 4): Mock(return_value=KEPT.times["lin-case1", 4]),
+        ("list",): Mock(side_effect=[KeyboardInterrupt, typed, typed]),
     }
     with pytest.raises(KeyboardInterrupt):
         kept_times.measure_and_store(tmp_path, measuring_conditions(), jobs, quiet)
-    jobs["list",] = time_of("command", typed)
     found = kept_times.measure_and_store(tmp_path, measuring_conditions(), jobs, quiet)
-    assert tried == ["model", "level", "stopped", "command"]
+    assert [job.call_count for job in jobs.values()] == [1, 1, 2]
     assert found == kept_times.load_run_times([tmp_path])
     assert (found.times.keys(), found.times["list",]) == (jobs.keys(), typed)
 
     other = replace(measuring_conditions(), machine="another")
     again = kept_times.measure_and_store(tmp_path, other, jobs, quiet)
-    assert tried[4:] == ["model", "level", "command"], "times of another machine are not mixed with these"
+    assert [job.call_count for job in jobs.values()] == [2, 2, 3], "times of another machine are not mixed with these"
     assert again.measuring_conditions == other
 
 
