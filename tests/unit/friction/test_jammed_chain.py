@@ -6,17 +6,19 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 from tests.friction_oracles import dissipated_power
-from tests.lin_root_oracle import balls_of_linear_bearing
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.studies.friction.solve import solve_friction_of_named_scene
 from rollbench.compare.studies.friction.whole import FrictionChoices
+from rollbench.lowfi.friction.contact.laws import contacts_from_values
 from rollbench.lowfi.friction.linear.bearing import loads_of_elastic_contacts
 from rollbench.lowfi.friction.linear.chain import carriage_drive_force, find_second_equilibrium, prepare_linear_chain
 from rollbench.lowfi.friction.screw.chain import solve_motion_of_chain
 
 #: Two balls under opposite side forces: deviations [deg] of the contact angles BL, BR, TR, TL, and side force ratios.
 DEVIATIONS, SIDE = ((1.9, -0.8, -0.3, -1.2), (-0.3, 0.9, -3.0, -2.7)), (0.89, -0.89)
+#: Unknowns of a ball: its speed along the track, and its angular speeds about the two axes across it.
+ACROSS = [0, 3, 1]
 #: Coefficient between the balls from which on friction can hold what makes it.
 LIMIT = 0.035
 
@@ -34,27 +36,28 @@ def closing(bearing, angles, loads, force):
 
     At a given force the motion of both balls is that of least dissipation, sliding between them included: convex.
     """
-    balls = balls_of_linear_bearing(bearing, angles, loads)
-    pair, v, size = balls.ball_to_ball_contact, bearing.speed, 1e-5
+    chain, v, size = prepare_linear_chain(bearing, angles, loads), bearing.speed, 1e-5
+    rubs, pair, units = chain.friction_contacts, chain.groove.pair, chain.groove.levers[ACROSS]
+    at = contacts_from_values(rubs.a.ravel(), rubs.b.ravel(), loads.ravel(), bearing.mu)
     maps = np.zeros((8, 3, 6))
-    maps[:4, :, :3], maps[4:, :, 3:] = balls.contact_motion_maps / pair.surface_speed_per_unit
-    slide = np.hstack([pair.first_ball_surface_speeds, -pair.second_ball_surface_speeds])
-    slide, drives = slide / np.tile(pair.surface_speed_per_unit, 2), balls.imposed_contact_motions.reshape(8, 3) / v
-    push, rub = force * np.array([1.0, 0.0, 0.0, -1.0, 0.0, 0.0]), pair.mu * force
+    maps[:4, :, :3], maps[4:, :, 3:] = rubs.maps[..., ACROSS] / units
+    slide = np.hstack([pair.first_ball_surface_speeds[:, ACROSS], -pair.second_ball_surface_speeds[:, ACROSS]])
+    slide, drives = slide / np.tile(units, 2), rubs.drives.reshape(8, 3) / v
+    push, rub = force * np.array([1.0, 0.0, 0.0, -1.0, 0.0, 0.0]), bearing.mu_balls * force
 
     def total(q):
-        d, s = dissipated_power(balls.contacts, drives + maps @ q, size), slide @ q
+        d, s = dissipated_power(at, drives + maps @ q, size), slide @ q
         long = np.sqrt(s @ s + size**2)
         gradient = np.einsum("ir,irj->j", d.gradient, maps) + rub * slide.T @ s / long
         return d.power.sum() + push @ q + rub * long, gradient + push
 
     def bend(q):
-        d, s = dissipated_power(balls.contacts, drives + maps @ q, size), slide @ q
+        d, s = dissipated_power(at, drives + maps @ q, size), slide @ q
         long = np.sqrt(s @ s + size**2)
         across = (np.eye(2) - np.outer(s, s) / long**2) / long
         return np.einsum("irj,irs,isk->jk", maps, d.hessian, maps) + rub * slide.T @ across @ slide
 
-    start = np.tile(pair.nominal_rolling_motion * pair.surface_speed_per_unit / v, 2)
+    start = np.tile(chain.groove.nominal_motion[ACROSS] * units / v, 2)
     found = minimize(total, start, jac=True, hess=bend, method="trust-exact", options={"gtol": 1e-9, "maxiter": 500})
     return float(found.x[0] - found.x[3])
 

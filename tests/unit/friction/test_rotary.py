@@ -84,40 +84,6 @@ def test_least_dissipation_is_least(forces):
     assert abs(about_path) < 1e-6 * abs(about_axis), "the ball does not turn about its path: Lin's omega_z = 0"
 
 
-@pytest.mark.parametrize("forces", [TWO, THREE, FOUR, VERGE])
-def test_unique_from_random_starts_in_any_frame(forces):
-    """Both rings turned along by the same speed: the orbit follows, the loss stays."""
-    p = problem_of(forces)
-    m = equilibrium.least_dissipation(p)
-    frame = p.imposed_contact_motions - 13.0 * p.contact_motion_maps[:, :, 0]
-    turned = equilibrium.least_dissipation(replace(p, imposed_contact_motions=frame))
-    assert turned.unknown_velocities - [13.0, 0.0, 0.0] == pytest.approx(m.unknown_velocities, rel=1e-9)
-    assert turned.loss == pytest.approx(m.loss, rel=1e-10)
-    rng = np.random.default_rng(7)
-    for _ in range(25):
-        start = rng.normal(size=3) * 10.0 ** rng.uniform(-2, 4)
-        other = equilibrium.least_dissipation(p, start)
-        assert other.status == "exact"
-        assert other.unknown_velocities == pytest.approx(m.unknown_velocities, rel=1e-7)
-        assert other.loss == pytest.approx(m.loss, rel=1e-9)
-
-
-def test_bodies_together_move_as_each_alone():
-    """Bodies whose searches differ in length, that slip, stick, or rest without a drive."""
-    bodies = [problem_of(forces) for forces in (TWO, THREE, FOUR, VERGE)]
-    bodies.append(replace(bodies[0], imposed_contact_motions=np.zeros((4, 3))))
-    bodies.append(replace(bodies[2], other_forces=np.array([0.0, 1e-3, 0.0])))
-    together = equilibrium.least_dissipations(bodies)
-    for body, found in zip(bodies, together, strict=True):
-        alone = equilibrium.least_dissipation(body)
-        assert found.unknown_velocities == pytest.approx(alone.unknown_velocities, rel=1e-12)
-        assert found.friction.force == pytest.approx(alone.friction.force, rel=1e-12, abs=1e-12)
-        assert (found.status, found.steps) == (alone.status, alone.steps)
-        assert np.array_equal(found.sticking_contacts, alone.sticking_contacts)
-    assert len({found.steps for found in together}) > 2
-    assert together[4].status == "at rest"
-
-
 @pytest.mark.parametrize("unknowns", [3, 4])
 def test_energy_balance_over_random_scenes(unknowns):
     """Torque times speed equals the loss to 1e-8, whatever the geometry, load, friction, and with rest or slip."""
@@ -147,18 +113,6 @@ def test_energy_balance_over_random_scenes(unknowns):
     assert {int(np.sum(m.sticking_contacts)) for m in motions} >= {0, 1}
 
 
-def test_two_points_rest_at_the_larger_ellipse():
-    """Contact forces along one line: only spin remains, all of it at the contact with the smaller moment."""
-    s = friction_bearing.solve_ball_of_bearing(BEARING, 100.0, 0.0)
-    loaded, rest = s.load.force > 0.0, s.motion.sticking_contacts
-    assert (np.sum(loaded), np.sum(rest)) == (2, 1)
-    larger = np.argmax(s.problem.contacts.a * loaded)
-    assert rest[larger]
-    assert s.motion.friction.loss[larger] == 0.0
-    one, other = s.motion.friction.moment[loaded]
-    assert one == pytest.approx(other, rel=1e-2)  # each about its own y: they face each other
-
-
 def test_a_pushed_body_rests_below_the_limit_and_slides_above():
     """One contact pushed along z: mu F holds; beyond it no motion is quasi-static, and the result says so."""
     maps = np.eye(3)[None]
@@ -169,34 +123,3 @@ def test_a_pushed_body_rests_below_the_limit_and_slides_above():
     assert held.friction.force[0, 1] == pytest.approx(-6.0, rel=1e-9)
     assert held.friction.moment[0] == pytest.approx(-1e-3, rel=1e-9)
     assert equilibrium.least_dissipation(replace(base, other_forces=np.array([0.0, 12.0, 0.0]))).status == "failed"
-
-
-def rotation(angle):
-    """Rotation matrix about x."""
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
-
-
-def test_maps_are_rigid_body_kinematics():
-    """Lin 3.4-3.9 in the fixed frame at an azimuth, differentiated in time by finite differences of positions."""
-    b, q, phi, eps = BEARING, np.array([27.4, -136.0, 108.0, 5.0]), 0.7, 1e-7
-    maps, drives = friction_bearing.contact_kinematics(b, ANGLES)
-    centre = np.array([0.0, b.pitch_radius, 0.0])
-    for i in range(4):
-        n = np.array([friction_bearing.AXIAL[i] * np.sin(ANGLES[i]), friction_bearing.RADIAL[i] * np.cos(ANGLES[i]), 0.0])
-        y = -n
-        x = np.cross(y, [0.0, 0.0, 1.0])
-        seen = drives[i] + maps[i] @ q
-        for px, pz in ((0.0, 0.0), (1e-4, 0.0), (0.0, 5e-5), (-1e-4, 2e-5)):
-            local = b.ball_radius * n + px * x + np.array([0.0, 0.0, pz])
-
-            def on_ball(t, local=local):
-                return rotation(phi + q[0] * t) @ (centre + local + np.cross(q[1:], local) * t)
-
-            def on_ring(t, local=local, i=i):
-                return rotation(phi + b.screw_speed * t * friction_bearing.INNER[i]) @ (centre + local)
-
-            rate = (on_ball(eps) - on_ball(-eps) - on_ring(eps) + on_ring(-eps)) / (2.0 * eps)
-            back = rotation(-phi) @ rate
-            assert back @ x == pytest.approx(seen[0] + seen[2] * pz, abs=2e-7)
-            assert back[2] == pytest.approx(seen[1] - seen[2] * px, abs=2e-7)

@@ -4,15 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize
-from tests.friction_oracles import dissipated_power
 from tests.helpers import SCREW_STATES as STATES
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.screw import run
-from rollbench.lowfi.friction.screw.chain import BalanceSearch, ScrewBallChain, screw_ball_chain, solve_motion_of_chain
-from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw, solve_ball_motion
-from rollbench.lowfi.friction.together import solve_alone
+from rollbench.lowfi.friction.screw.chain import ScrewBallChain, screw_ball_chain, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.motion import solve_ball_motion
 
 SCREW = source_cases.screw_groove()
 TWO = np.radians(2.0)
@@ -61,35 +58,6 @@ def test_reversed_motion_parts_the_pair() -> None:
     assert same.force == pytest.approx(0.0, abs=1e-6)
 
 
-def test_frictionless_chain_is_a_constrained_least_dissipation() -> None:
-    """Without ball-to-ball friction the chain solves a convex problem: against a general optimiser."""
-    screw = replace(SCREW, mu_balls=0.0)
-    force = np.tile(STATES["four"][0], (3, 1))
-    angle = STATES["four"][1] + np.array([0.0, 0.02, 0.03])[:, None] * np.array(run.BOTH)
-    chain = open_chain(screw, force, angle)
-    r = solve_motion_of_chain(chain)
-    assert np.all(r.ball_loss == 0.0)
-    s, at = BalanceSearch(chain), contact_ellipses_of_screw(screw, force)
-    maps, drives = screw.contact_kinematics(chain.normals)
-
-    def seen(x):
-        q = x.reshape(3, 4) * s.speed / s.units
-        return (drives + np.einsum("kirj,kj->kir", maps, q)).reshape(-1, 3)
-
-    def loss(x):
-        return float(np.sum(dissipated_power(at, seen(x)).power)) / r.loss
-
-    def slope(x):
-        d = dissipated_power(at, seen(x)).gradient.reshape(3, 4, 3)
-        return (np.einsum("kir,kirj->kj", d, maps) * s.speed / s.units).ravel() / r.loss
-
-    order = [{"type": "ineq", "fun": lambda x, k=k: x[4 * k + 4] - x[4 * k]} for k in range(2)]
-    start = solve_alone(s.motions_without_neighbours()).ravel()
-    best = minimize(loss, start, jac=slope, method="SLSQP", constraints=order, options={"ftol": 1e-14})
-    assert best.fun == pytest.approx(1.0, rel=1e-7)
-    assert best.x[::4] == pytest.approx(r.q[:, 0] * s.units[0] / s.speed, rel=1e-5)
-
-
 def many(name: str, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Contact forces and angles of balls whose angles, or loads too, vary along the chain; some without load."""
     force, at = np.tile(STATES[name][0], (count, 1)), np.arange(count)[:, None]
@@ -111,20 +79,6 @@ def test_chains_converge(name: str, count: int, load: float) -> None:
     assert np.all(r.ball_force >= 0.0)
     assert np.max(r.ball_force[:-1] * np.diff(r.q[:, 0])) < 1e-9 * SCREW.speed * load * 100.0
     assert r.input_power == pytest.approx(r.loss, rel=1e-8)
-
-
-#: Oversizes of the ball radii [m].
-OVERSIZES = (1e-6, 1.7e-6, 2.5e-6)
-
-
-def test_maps_over_the_assumptions_hold_the_pair_whose_losses_grow_with_the_coefficient() -> None:
-    over = [[run.solve_pair_of_screw_balls(replace(PAIR, oversize=o, force=(f,))) for f in (0.0, 50.0)] for o in OVERSIZES]
-    assert all(found.converged for row in over for found in row)
-    assert np.all(np.diff([[found.force for found in row] for row in over], axis=0) > 0.0)
-    assert np.all(np.diff([row[0].friction_increase for row in over]) < 0.0)
-    one, slippery = (run.solve_pair_of_screw_balls(replace(PAIR, groove=replace(SCREW, mu=mu))) for mu in (0.1, 0.001))
-    assert over[1][1].force == pytest.approx(one.force, rel=1e-9)
-    assert slippery.apart.motion.loss == pytest.approx(0.01 * one.apart.motion.loss, rel=1e-8)
 
 
 def test_the_load_that_a_force_and_its_losses_imply_is_the_one_whose_losses_they_are() -> None:

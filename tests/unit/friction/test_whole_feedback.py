@@ -27,14 +27,15 @@ def groove_with(mu):
 def without_friction(groove, oversize, load):
     """Contacts of one ball at its loads without friction."""
     bare = coupled_ball(ball_cell(replace(groove, mu=0.0), np.zeros(4), oversize, "z", np.array([load])), "none")
-    return single(bare.load.force[0], bare.load.angle[0], groove)
+    return single(bare.loads_with_friction.force[0], bare.loads_with_friction.angle[0], groove)
 
 
 def coupled(mu, load):
     """A ball whose loads know of its friction: contacts, power lost, torque that drives the screw by sums in space."""
     groove = groove_with(mu)
     held = coupled_ball(ball_cell(groove, np.zeros(4), 2e-6, "z", np.array([load])), "ball and screw")
-    at, scene = single(held.load.force[0], held.load.angle[0], groove), scene_of(groove)
+    load_on, angle = held.loads_with_friction.force[0], held.loads_with_friction.angle[0]
+    at, scene = single(load_on, angle, groove), scene_of(groove)
     assert held.converged
     found = ball_friction(BallsUnderLoad(scene, at, Friction(mu, mu), Motion(5.0)))
     total = found.contact_wrenches(at.normals)
@@ -79,8 +80,8 @@ def test_feedback_on_a_ball_is_that_of_the_coupled_solver(mu, oversize, load):
     scene, found = fed(groove, load, oversize, mu, Motion(5.0))
     assert not found.failed_balls.any()
     assert found.largest_imbalance_ratio <= 1e-5
-    assert np.allclose(found.contacts.force[0], expected.load.force[0], rtol=0.0, atol=2e-4 * load)
-    assert found.friction.total_power_lost == pytest.approx(expected.motion.motion.loss, rel=2e-4)
+    assert np.allclose(found.contacts.force[0], expected.loads_with_friction.force[0], rtol=0.0, atol=2e-4 * load)
+    assert found.friction.total_power_lost == pytest.approx(expected.motion.loss, rel=2e-4)
     t = sum_friction_over_contacts(scene, found.contacts, found.friction, Motion(5.0), coupled=True)
     assert t.axial_load == pytest.approx(load, rel=1e-5)
     assert t.input_power == pytest.approx(t.power, rel=1e-8)

@@ -41,21 +41,6 @@ def test_forward_and_backward_frame_the_ideal_torque():
     assert back.driving_torque_on_screw == pytest.approx(-t.forward_torque, rel=1e-12)
 
 
-def test_motion_backwards_of_the_nut_and_a_thousand_times_faster():
-    """Reversed it loses the same; a turning nut is a turning screw in another frame; speed scales losses, not torques."""
-    motions = TURN, Motion(-10.0), Motion(-10.0, "nut"), Motion(1e4)
-    found = [state(two_starts(), motion=m) for m in motions]
-    there, back, nut, quick = (x.friction_sums for x in found)
-    balls, balls_back, balls_nut, _ = (x.ball_friction for x in found)
-    assert [x.friction_torque for x in (back, quick)] == pytest.approx([there.friction_torque] * 2, rel=1e-9)
-    assert np.allclose(balls_back.orbital_speed, -balls.orbital_speed, rtol=1e-9)
-    assert np.allclose(balls_back.force, -balls.force, atol=1e-6)
-    assert np.allclose(balls_back.loss, balls.loss, rtol=1e-6, atol=1e-9 * there.power)
-    assert nut.driving_torque_on_screw == pytest.approx(there.driving_torque_on_screw, rel=1e-9)
-    assert np.allclose(balls_nut.orbital_speed, balls.orbital_speed - 10.0, rtol=1e-9)
-    assert quick.power == pytest.approx(1e3 * there.power, rel=1e-9)
-
-
 def test_without_friction_of_one_or_both_grooves_the_load_does_all_the_work():
     coefficients = ((0.0, 0.0), (0.05, 0.05), (0.0, 0.2), (0.1, 0.1))
     free, half, one, rough = (state(two_starts(), Friction(*c, feedback=False)) for c in coefficients)
