@@ -35,12 +35,6 @@ def test_curvature_terms_of_cylinder_and_sphere():
     assert (a + 2 * b) / 2 == pytest.approx(2 * ALPHA + BETA, rel=1e-12)
 
 
-def test_own_slope_of_a_ball():
-    material = catalogue.scene("lin-case1").balls.material
-    one, other = (beyond_hertz.sphere_self_compliance((s, s), 3e-3, material) for s in (2e-4, 4e-4))
-    assert other - one == pytest.approx(beyond_hertz.sphere_self_compliance_slope(3e-3, material) * np.log(2.0), rel=1e-9)
-
-
 def test_loads_along_the_normals_move_a_concave_flank_less(flank):
     """By (1 - 2 nu)/(8 pi G rho) and terms of the patch's width: mean of (1 - 2 nu) cos^2/(4 pi G rho) over a round one."""
     m, width = flank.groove_map, 0.12 * flank.groove_map.ball

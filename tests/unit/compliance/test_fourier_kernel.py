@@ -100,18 +100,6 @@ def test_lame_tube_under_internal_pressure():
     assert not q[:, 1:].any()
 
 
-def test_torsion_is_exact():
-    body = tube(2, 3, 30e-3)
-    polar = 0.5 * np.pi * (OUTER**4 - BORE**4)
-    held, force = nothing(body, bool), nothing(body)
-    held[0] = True
-    held[..., (0, 2)] = True
-    twist = fourier.mean_rigid_motion_matrix(body.grid.r[0], 0)[1].reshape(-1, 3)
-    force[-1, :, 1] = twist[:, 1]  # shares in the mean of u_t r over the polar moment
-    exact = body.grid.r * body.grid.z / (G * polar)
-    np.testing.assert_allclose(solve(body, 0, held, force)[..., 1], exact, rtol=1e-9, atol=1e-22)
-
-
 @pytest.mark.parametrize("column", [0, -1], ids=["bore", "outside"])
 @pytest.mark.parametrize("n", [2, 3, 6])
 def test_ring_under_a_wave_of_pressure(n, column):

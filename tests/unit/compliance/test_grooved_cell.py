@@ -9,9 +9,8 @@ from rollbench.compare.scenes import catalogue
 from rollbench.hifi.shaft.section import stiffness_of_grooved_shaft
 from rollbench.lowfi.compliance import parts, tube
 from rollbench.lowfi.compliance.fourier import BodyOfRevolution, tube_grid
-from rollbench.lowfi.compliance.groove import equivalent_cylinder_radius
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.section import screw_section, tube_section
+from rollbench.meshes.section import tube_section
 
 SCENE = catalogue.scene("lin-case1")
 GEOMETRY = parts.reduce_to_compliance_geometry(SCENE)
@@ -65,31 +64,6 @@ def test_refinement(screw):
     assert np.all(found[1] >= found[2])
     section = parts.grooved_section(GEOMETRY, screw)
     np.testing.assert_allclose(of_section(section), found[1], rtol=1e-12)
-
-
-def between(section, soft, stiff):
-    """Assert that a section is stiffer than one tube (its diameters) and softer than another."""
-    low, high = (of_section(tube_section(*diameters, STEEL)) for diameters in (soft, stiff))
-    assert np.all(low < of_section(section))
-    assert np.all(of_section(section) < high)
-
-
-def test_screw_and_nut_between_root_and_land():
-    section = of_screw()
-    between(section, (2 * ROOT, 0.0), (2 * LAND, 0.0))
-    radii = equivalent_radii(section, 0.0, 1.0)
-    assert ROOT < radii[0] < LAND
-    volume = equivalent_cylinder_radius(parts.half_groove_of_body(GEOMETRY, True), 2)
-    assert all(ROOT < r < volume for r in radii)
-    assert of_section(section)[0] < screw_section(SCENE).EA
-    for name, radius in zip(("EA", "EI", "GJ"), radii, strict=True):
-        plain = getattr(tube_section(2 * radius, 0.0, STEEL), name)
-        assert plain == pytest.approx(getattr(section, name), rel=1e-12)
-    flank = parts.half_groove_of_body(GEOMETRY, False)
-    section = tube.grooved_beam_section(flank)
-    root = float(flank.profile_points(17)[0][0])
-    between(section, (2 * flank.plain_radius, 2 * root), (2 * flank.plain_radius, 2 * flank.land_radius))
-    assert all(flank.land_radius < r < root for r in equivalent_radii(section, flank.plain_radius, -1.0))
 
 
 def test_nothing_is_left_out_of_a_shallow_groove():

@@ -128,12 +128,6 @@ def test_what_has_no_field_is_refused(case):
         fields.contact_pressures_of_ball(case.setup.scene, case.setup.mesh_settings, 0, np.zeros(4), np.zeros(4))
 
 
-def test_stress_fades_away_from_the_contact(case):
-    material = case.setup.scene.screw.material
-    coarse = fields.stress_field_near_ball(case.setup, case.meshes.screw_mesh, case.u[0], 0, material, 6e-3)
-    assert 0.0 < coarse.von_mises.max() < 0.2 * case.grooves[0].von_mises.max()
-
-
 @pytest.mark.parametrize("side", SIDES)
 def test_pressure_adds_up_to_the_load_and_pressure_and_stress_are_near_hertz(case, side):
     found = pressure(case, side)

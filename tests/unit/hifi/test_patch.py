@@ -197,26 +197,3 @@ def test_modes_answer_as_the_whole_piece(rotated):
             null = np.linalg.svd(rigid_motions_of_contacts().T)[2][6:]
             inside, wanted = null @ inside @ null.T, null @ wanted @ null.T
         assert relative(inside, wanted) < 1e-9
-
-
-def test_a_free_piece_is_answered_by_inertia_relief(monkeypatch):
-    """Any six freedoms may keep the matrix from being singular: the motions under any force, which a rigid field of body
-    forces balances, stay the same up to a rigid motion, as nothing is left that the six would have to hold."""
-    piece, rows = holed(), coarse.contact_modes_of_patch(condensed_cube_patch(), 12)[1]
-    points = node_coordinates(piece.mesh)
-
-    def both():
-        """Motions of hats and of modes under all forces, without rigid ones."""
-        rigid = rigid_motions_of_contacts(), rows @ nodal_displacements_of_rigid_motions(points[piece.box_nodes])
-        answers = (
-            coarse.contact_compliance_in_fine_submodel(piece, *cube_patch(), E, NU),
-            coarse.mode_compliance_in_coarse_submodel(piece, condensed_cube_patch(), rows, E, NU),
-        )
-        return [np.linalg.svd(R)[0][:, 6:].T @ F for F, R in zip(answers, rigid, strict=True)]
-
-    found = both()
-    corners = np.array([np.abs(points - x).sum(axis=1).argmin() for x in ([0, 0, 0], [1, 0, 0], [0, 1, 0])])
-    other = coarse.degrees_of_freedom_of_nodes(corners)[[0, 1, 2, 4, 5, 8]]
-    monkeypatch.setattr(coarse, "select_isostatic_freedoms", lambda *_: other)
-    for again, before in zip(both(), found, strict=True):
-        assert relative(again, before) < 1e-8

@@ -11,24 +11,12 @@ from tests.shipped_texts import own_text
 from tests.two_balls import SMALL, two_balls
 
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi import coupling, reference, setup
+from rollbench.hifi import reference, setup
 from rollbench.hifi.setup import RecordJob, compute_records
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.parts import FourierTerm, Load, SideErrors, Support
 
 pytestmark = [pytest.mark.xdist_group("helped by processes"), pytest.mark.slow]
-
-
-def test_a_screw_without_its_3d_shaft_does_not_depend_on_which_flanks_bear(small):
-    """The same bodies with their flanks named SR and NL."""
-    screw, nut = small.condensed_screw, small.condensed_nut
-    screw = replace(screw, modes_by_flank={1: screw.modes_by_flank[0]})
-    nut = replace(nut, modes_by_flank={2: nut.modes_by_flank[3]})
-    other = replace(small, loaded_flanks=(1, 2), condensed_screw=screw, condensed_nut=nut)
-    one, two = (coupling.compliance_of_supported_screw(s, small.scene, frozenset({"3D shaft"})) for s in (small, other))
-    np.testing.assert_array_equal(one.G, two.G)
-    shaft = coupling.compliance_of_supported_screw(small, small.scene).G
-    assert not np.allclose(one.G, shaft, rtol=1e-6, atol=0.0)
 
 
 def test_balance_and_that_what_is_left_out_changes_the_answer(small):

@@ -84,17 +84,6 @@ def test_patches_of_the_static_reference_answer_as_other_meshes_of_the_same_bodi
         assert (np.abs(body.M) / scale)[:, mixed].max() > 2e-2
 
 
-def test_patches_answer_for_every_flank_and_hand():
-    """Of a helix: the mirror image of the left-hand one."""
-    angle, zone = 0.8, ContactZone((0.06e-3, 0.3e-3), (2, 2), 3.0)
-    across = 1.0 / (1.0 / R - 1.0 / (1.12 * R))
-    inner = [bodies.ContactGeometry(R, (0.9 * R, across), angle, (6.0 * R, h * 1.2 * R)) for h in (1, -1)]
-    right, left = (bodies.compliance_kernels_of_patches(at, zone, E, NU, 1)[0].M for at in inner)
-    odd = np.array([1.0, -1.0, 1.0])
-    signs = np.concatenate([-odd, odd, odd])
-    assert np.abs(left * np.outer(signs, signs) - right).max() < 0.02 * np.abs(right).max() < np.abs(left - right).max()
-
-
 def test_without_motion_rolling_presses_as_the_static_reference_does():
     """The static reference on four cells, which leaves it a tenth of the peak; finer ones are in the verification table."""
     at = ring()[0]

@@ -53,15 +53,6 @@ def test_pressure_of_a_sphere_and_of_an_ellipse_is_hertz(radii):
     assert found.normal_forces.max() / found.cell_size.prod() == pytest.approx(exact.pole_pressure, rel=1e-2)
 
 
-def test_pressure_and_gap_are_complementary():
-    cells, at = patch.create_cell_grid((14, 14), np.array([2e-5, 2e-5]))
-    gap = 0.5 * (at**2).sum(axis=1) / 1e-3
-    forces, approach = patch.solve_normal_contact(cells, np.array([2e-5, 2e-5]), gap, 5.0, (2e11, 0.3))
-    assert np.all(forces >= 0.0)
-    assert 0 < np.count_nonzero(forces) < forces.size
-    assert approach > gap[forces > 0.0].max()
-
-
 def test_a_similar_contact_is_the_unit_one_scaled():
     unit, direct = (solve_elastic_contact_on_grid(load, (5e-3, 4e-2), E, NU, (10, 10)) for load in (1.0, 64.0))
     unit.elastic_slip_per_rolling_length  # noqa: B018 - computed once
@@ -101,16 +92,6 @@ def test_coulomb_holds_in_every_cell_to_round_off_and_the_power_put_in_is_lost(n
     assert size[~stick] == pytest.approx(bound[~stick], rel=1e-9)
     against = (q * s).sum(axis=0)[~stick] + (size * speed)[~stick]
     assert np.abs(against).max(initial=0.0) <= 1e-9 * (size * speed).max()
-
-
-def test_differences_lose_energy_only_and_the_answer_does_not_depend_on_the_path(monkeypatch):
-    assert np.linalg.eigvalsh(PATCH.elastic_slip_per_rolling_length + PATCH.elastic_slip_per_rolling_length.T)[0] > 0.0
-    creep = CREEPS["spin pole inside"]
-    straight = solve_steady_rolling_for_creepages(PATCH, creep, MU).friction_solution.forces[0]
-    monkeypatch.setattr(friction, "PATH", tuple(3.0**-k for k in range(8)))
-    monkeypatch.setattr(friction, "SOFT", 0.004)
-    bent = solve_steady_rolling_for_creepages(PATCH, creep, MU).friction_solution.forces[0]
-    assert bent == pytest.approx(straight, abs=1e-9 * MU * PATCH.normal_forces.max())
 
 
 def test_a_search_that_is_cut_short_says_so(monkeypatch):

@@ -13,7 +13,6 @@ from tests.two_balls import SMALL, relative_deviation_of_fit, two_balls
 
 from rollbench.hifi import condensation
 from rollbench.hifi.bodies import grid_wave
-from rollbench.hifi.bodies.grid_wave import POWERS, solve_unilateral_contact
 from rollbench.hifi.bodies.patch import condense_patch
 from rollbench.hifi.elements.forms import normalise_weight_rows
 from rollbench.hifi.meshing.part_meshes import contact_normals_of_patch, mesh_parts, mesh_patch
@@ -122,24 +121,3 @@ def test_the_law_of_a_side_is_found_again_whatever_the_force_and_scatter_is_a_sh
     assert deviations == pytest.approx([0.002, 0.001], rel=0.05)  # the second side's approach is twice as large
     e, h = found.fit_local_approach_over_load(0)
     assert np.abs(e + h * np.cbrt(FORCES) + 2e-9).max() < 0.5 * np.abs(wave).max()
-
-
-def test_contacts_on_springs():
-    """Springs of their own: each carries what the approach closes beyond its gap."""
-    rng = np.random.default_rng(3)
-    springs, gap, close = (rng.uniform(*ends, 40) for ends in ((1e-9, 2e-9), (0.0, 2e-6), (0.9, 1.0)))
-    loads = np.geomspace(1.0, 1e4, 5)
-    found, closed = solve_unilateral_contact(np.diag(springs), gap, close, loads)
-    for load, approach, pairs in zip(loads, found, closed, strict=True):
-        carried = np.maximum(approach * close - gap, 0.0) / springs @ close
-        assert carried == pytest.approx(load, rel=1e-10)
-        np.testing.assert_array_equal(pairs, approach * close > gap)
-    again, same = solve_unilateral_contact(np.diag(springs), gap, close, loads, closed[::-1])
-    assert again == pytest.approx(found, rel=1e-12)
-    np.testing.assert_array_equal(same, closed)
-
-
-def law(loads):
-    """Hertz's approach, with some of every power that `fit_smooth_force_law` knows."""
-    parts = zip((0.3, 1.0, 0.02, -0.004), POWERS, strict=True)
-    return 1e-8 * sum(factor * loads ** (2.0 / 3.0 + power) for factor, power in parts)

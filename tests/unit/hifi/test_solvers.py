@@ -60,33 +60,6 @@ def _streamed(monkeypatch):
     monkeypatch.setattr(linear_algebra, "SMALL", 0)
 
 
-def filled(K: sp.csc_matrix, order: np.ndarray) -> np.ndarray:
-    """Which entries of the Cholesky factor of a matrix in that order are not zero, by eliminating one after the other."""
-    pattern = K[order][:, order].toarray() != 0.0
-    for k in range(len(pattern)):
-        below = k + 1 + np.flatnonzero(pattern[k + 1 :, k])
-        pattern[np.ix_(below, below)] = True
-    return np.tril(pattern)
-
-
-APART = sp.csc_matrix(sp.block_diag([springs(3), springs(4), sp.identity(3)]))
-
-
-@pytest.mark.usefixtures("_streamed")
-@pytest.mark.parametrize("leaf", [1, 6, 32])
-@pytest.mark.parametrize("matrix", [springs(5), body("P2"), APART], ids=["grid", "body", "two bodies and a node"])
-def test_supernodes_of_any_size_solve_and_hold_little_more_than_the_factor(matrix, leaf, monkeypatch):
-    """The factor's size is that of the dense elimination in this order, and somewhat more by blocks; it solves."""
-    monkeypatch.setattr(linear_algebra, "LEAF", leaf)
-    nodes = linear_algebra.find_elimination_order(matrix)
-    rows, columns = np.diff(nodes.row_starts), np.diff(nodes.first_columns)
-    held = (columns * (rows - columns) + columns * (columns + 1) // 2).sum()
-    least = filled(matrix, nodes.elimination_order).sum()
-    assert least <= held <= {1: 1.05, 6: 1.8, 32: 3.0}[leaf] * least
-    rhs = np.random.default_rng(0).standard_normal(matrix.shape[0])
-    assert np.linalg.norm(matrix @ factorise_positive_definite(matrix)(rhs) - rhs) < 1e-12 * np.linalg.norm(rhs)
-
-
 @pytest.mark.usefixtures("_method")
 def test_solution_is_the_dense_one_and_matrices_that_are_not_positive_definite_are_refused(held, refused):
     rhs = np.random.default_rng(0).standard_normal((held.shape[0], 3))

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq, minimize
+from scipy.optimize import brentq
 
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.as_source.liu import chain as chains
@@ -27,31 +27,6 @@ def solved(load=500.0, **changes):
     """The long chain with some changes, without errors."""
     chain = replace(LONG, **changes)
     return chain, chains.solve_ball_screw(chain, np.zeros(chain.balls), load)
-
-
-def energy(u, chain, errors, load):
-    """Energy [N um] of motions [um], written from the geometry; constant and exact contact angle."""
-    v = u * np.cos(chain.lead_angle) * 1e-6
-    if chain.law == "constant":
-        approach = errors + v * np.sin(ANGLE)
-    else:
-        approach = np.hypot(A * np.sin(ANGLE) + v, A * np.cos(ANGLE)) - A + errors
-    stored = 0.4 * chain.stiffness * np.maximum(approach, 0.0) ** 2.5
-    bars = (1e-6 * np.diff(u)) ** 2 / (2.0 * chain.compliance)
-    return 1e6 * (stored.sum() + bars.sum() - 1e-6 * load * u[0])
-
-
-@pytest.mark.parametrize("law", ["constant", "exact"])
-@pytest.mark.parametrize("load", [5.0, 60.0, 900.0])
-def test_minimum_by_brute_force(law, load):
-    chain = replace(SHORT, law=law)
-    options = {"xatol": 1e-9, "fatol": 1e-13, "maxiter": 20000, "maxfev": 40000, "adaptive": True}
-    found = minimize(energy, np.full(5, 6.0), (chain, ERRORS, load), method="Nelder-Mead", options=options)
-    s = chains.solve_ball_screw(chain, ERRORS, load)
-    assert s.converged
-    assert energy(1e6 * s.motion, chain, ERRORS, load) <= found.fun + 1e-9 * abs(found.fun)
-    # loose balls ride on the chain: their motion is determined too
-    assert 1e6 * s.motion == pytest.approx(found.x, abs=2e-4)
 
 
 def implicit_load(u, error, chain):
@@ -101,43 +76,6 @@ def test_rigid_bodies_share_equally_and_load_as_hertz():
     assert s.stiffness == pytest.approx(1.5 * 5000.0 / s.displacement, rel=1e-12)
     _, soft = solved(5000.0, compliance=1e-20, law="constant")
     assert soft.load == pytest.approx(s.load, rel=1e-6)
-
-
-@pytest.mark.parametrize("law", chains.LAWS)
-def test_motion_grows_and_falls_back_on_energy(law):
-    """Every motion, load and the stiffness grow with the load; the work of the load is what springs hold."""
-    chain, e = replace(LONG, law=law), long_errors(4)
-    loads = np.linspace(20.0, 4000.0, 41)
-    states = [chains.solve_ball_screw(chain, e, f) for f in loads]
-    for name in ("motion", "load", "loaded_balls"):
-        assert np.all(np.diff([getattr(s, name) for s in states], axis=0) >= 0)
-    if law == "constant":
-        assert np.all(np.diff([s.stiffness for s in states]) > 0.0)
-    fine = np.linspace(1e-3, 4000.0, 801)
-    work = np.trapezoid(chains.solve_screws(chain, np.tile(e, (801, 1)), fine).motion[:, 0], fine)
-    last = states[-1]
-    bars = np.diff(last.motion) ** 2 / (2.0 * chain.compliance)
-
-    def stored(u, x):
-        at = np.linspace(min(chains.axial_motion_at_touch(chain, x), u), u, 101)
-        return np.trapezoid(chains.force_of_balls(chain, at, x).axial, at)
-
-    held = sum(stored(u, x) for u, x in zip(last.motion, e, strict=True)) + bars.sum()
-    # complementary energy: the area beside the curve
-    assert 4000.0 * last.motion[0] - work == pytest.approx(held, rel=2e-3)
-
-
-@pytest.mark.parametrize("law", chains.LAWS)
-def test_displacement_starts_at_the_first_touch(law):
-    """A vanishing load moves the largest ball by its own approach only."""
-    chain, e = replace(LONG, law=law), long_errors(6, 3e-6)
-    e[20] = 4e-6
-    s = chains.solve_ball_screw(chain, e, 1e-3)
-    assert s.loaded_balls == 1
-    distance = A - (e.max() if law != "constant" else 0.0)
-    alone = replace(LONG, balls=1, compliance=0.0, groove_distance=distance, law="constant")
-    expected = chains.solve_ball_screw(alone, np.zeros(1), 1e-3).displacement
-    assert s.displacement - 20 * chain.compliance * 1e-3 == pytest.approx(expected, rel=0.05)
 
 
 def test_ball_joins_at_its_load():

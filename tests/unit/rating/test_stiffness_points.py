@@ -6,6 +6,7 @@ from itertools import cycle
 import pytest
 from tests.campaign.draw import scene_text
 from tests.campaign.draw_axes import axis_text
+from tests.slow import all_slow_but
 
 import rollbench
 from rollbench.compare.models.loading import with_scaled_loads
@@ -28,6 +29,7 @@ ROUND_OFF = 1e-16
 SHIPPED = [name for name in scene_names() if kind_of_shipped_scene(name) in ("ball screw", "bearing", "axis")]
 #: Where the loads on the shaft act; each scene takes one of them in turns.
 PLACES = ("own", "nut", "end")
+TURNS = [*zip(SHIPPED, cycle(PLACES))]
 #: Most balls of a drawn scene.
 MOST = 150
 #: Scenes whose refined solution takes long.
@@ -84,14 +86,8 @@ def scene_from(tmp_path, *words, **more):
     return rollbench.read(path)
 
 
-@pytest.mark.parametrize("name", [x if x == "lin-case1" else pytest.param(x, marks=pytest.mark.slow) for x in SHIPPED])
-def test_each_tangent_is_the_slope_of_its_displacement(name) -> None:
-    check_law(rollbench.read(name), "lin", 1e-6)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "place"), [*zip(SHIPPED, cycle(("nut", "end")))])
-def test_the_law_holds_with_the_load_at_the_nut_or_at_the_end(name, place) -> None:
+@pytest.mark.parametrize(("name", "place"), all_slow_but([("lin-case1", "own")], TURNS))
+def test_each_tangent_is_the_slope_of_its_displacement(name, place) -> None:
     check_law(loaded_at(rollbench.read(name), place), "lin", 1e-6)
 
 
@@ -102,7 +98,7 @@ QUICK = [x for x in SHIPPED if not x.startswith(SLOW)]
 @pytest.mark.parametrize(
     ("name", "place"),
     [
-        *zip(QUICK, cycle(PLACES)),
+        *((x, p) for x, p in TURNS if x in QUICK),
         *(pytest.param(x, p, marks=pytest.mark.survey) for x in SHIPPED if x not in QUICK for p in PLACES),
     ],
 )

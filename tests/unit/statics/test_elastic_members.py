@@ -14,7 +14,6 @@ from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.rating.displacement import motion_at
 from rollbench.lowfi.rating.rigidity import axial_force
-from rollbench.lowfi.statics import equilibrium
 from rollbench.lowfi.statics.members import SpecimensOfScene, can_share_equations
 from rollbench.meshes.parts import Load, Scene
 
@@ -64,10 +63,3 @@ def test_members_with_grooves_of_their_own_are_those_solved_one_by_one() -> None
         alone = run_model(scene, "lin", ModelOptions(member=2 + k, estimate_beam_mesh_error=False))
         assert np.abs(found.loads[k] - alone.load).max() <= 1e-10 * alone.load.max()
         check_motions(found, k, scene, alone, 1e-9)
-
-
-def test_blocks_of_members_change_nothing(monkeypatch) -> None:
-    every = SpecimensOfScene(RANDOM, LADDER["refined"]).solve(0, 7)
-    monkeypatch.setattr(equilibrium, "MEMBERS", 2)
-    some = SpecimensOfScene(RANDOM, LADDER["refined"]).solve(0, 7)
-    assert np.abs(some.loads - every.loads).max() <= 1e-12 * every.loads.max()

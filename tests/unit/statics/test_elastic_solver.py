@@ -4,61 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.helpers import relative, small_screw, with_ingredients
-from tests.static_problems import SCENES, elastic_equations
+from tests.helpers import relative, small_screw
 
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import run_model
-from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies.survey import SEED, random_screw_scene_text
-from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics import response as model
 from rollbench.lowfi.statics.contact_law import contact_law
-from rollbench.lowfi.statics.equilibrium import solve_alone
-from rollbench.lowfi.statics.rolling_elements import forces_of_elements
 from rollbench.lowfi.statics.static import solve_elastic
 from rollbench.meshes.parts import Load
-
-CASES = SCENES | {
-    "lin-case3": catalogue.scene("lin-case3"),
-    "pushed back": replace(catalogue.scene("lin-case1"), loads=(Load(0.0, (0.0, 0.0, -5000.0)),)),
-    "not held across": small_screw(
-        12, 2.5, oversize=3e-6, force=(50.0, -80.0, 900.0), fixed=(("uz", 0.0), ("rz", 0.0)), load_at=0.0
-    ),
-    "hertz at work": with_ingredients(catalogue.scene("lin-case3"), hertz="actual"),
-}
-
-
-def motions(elastic, phi, amplitudes):
-    """v0 + G phi + R a by whole matrices."""
-    bodies = elastic.system.bodies
-    G, free = bodies.compliances, bodies.free
-    v = free.v0[0] + free.R[0] @ amplitudes[0]
-    if v.shape[1] == 1:
-        return v[None] + (G.first[0] @ phi.ravel()).reshape(phi.shape)
-    for matrix, flanks in ((G.first, slice(2)), (G.second, slice(2, 4))):
-        if matrix.size:
-            v[:, flanks] += (matrix[0] @ phi[0, :, flanks].ravel()).reshape(-1, 2, 2)
-    return v[None]
-
-
-@pytest.mark.parametrize("backend", LADDER)
-@pytest.mark.parametrize("case", CASES)
-def test_solution_is_stationary_and_balanced(case, backend):
-    scene = CASES[case]
-    result = solve_elastic(scene, backend=LADDER[backend], name=backend)
-    assert result.status == "converged"
-    assert result.solver.residual <= max(1e-10, result.solver.round_off_bound)
-    assert result.equilibrium.force_residual < 1e-9
-    assert result.equilibrium.moment_residual < 1e-9
-    elastic = elastic_equations(scene, LADDER[backend])
-    assert solve_alone(elastic.solve_by_newton()).residual <= 1e-10
-    phi, amplitudes = elastic.state.phi, elastic.state.a
-    f = forces_of_elements(elastic.system.elements, motions(elastic, phi, amplitudes)).on_flanks
-    assert np.abs(f - phi).max() < 1e-10 * elastic.residual_force_scale
-    free = elastic.system.bodies.free
-    unbalanced = np.einsum("nsac,nsa->c", free.R[0], f[0]) + free.work[0]
-    assert np.abs(unbalanced).max(initial=0.0) < 1e-10 * elastic.residual_force_scale
 
 
 def test_sides_left_out_that_touch_are_found():

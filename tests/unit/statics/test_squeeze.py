@@ -89,19 +89,6 @@ def test_contacts_that_press_lengthen_the_screw() -> None:
     assert taken[-4] == pytest.approx(-wanted, rel=1e-2)
 
 
-def test_loads_and_forces_move_one_another_alike() -> None:
-    """Maxwell: flanks by loads on the nodes, and nodes by forces on the flanks, through beam, jumps and what is inside."""
-    problem = problem_of(BETWEEN)
-    shaft, squeeze = squeeze_of(problem)
-    rng = np.random.default_rng(2)
-    forces, loads = rng.normal(size=4 * problem.layout.z.size), rng.normal(size=(6 * problem.nodes.size, 1))
-    by_loads, _ = squeeze.motions_by_loads(loads, shaft.motions_under_loads(loads))
-    nodes = shaft.motions_under_loads(squeeze.nodal_loads_of_jumps(forces)[:, None])[:, 0]
-    nodes += squeeze.nodal_motions_by_flank_forces(forces)
-    nodes[np.repeat(problem.fixed.any(axis=1), 6)] = 0.0
-    assert by_loads[:, 0] @ forces == pytest.approx(float(loads[:, 0] @ nodes), rel=1e-9)
-
-
 def test_a_support_within_the_nut_is_the_load_that_it_carries() -> None:
     """Its reaction as a load on the same section gives the same contacts, and moves the section to where it was held."""
     at = 0.1
