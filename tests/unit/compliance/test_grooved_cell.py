@@ -36,13 +36,6 @@ def of_screw(**dimensions):
     return tube.grooved_beam_section(groove(**dimensions))
 
 
-def equivalent_radii(section, plain, sign):
-    """Radii of the plain cylinders with a section's EA, EI and GJ; ``sign``: 1 of a shaft, -1 of a nut's bore."""
-    young, shear = STEEL.youngs_modulus, STEEL.shear_modulus
-    added = (section.EA / young, 4.0 * section.EI / young, 2.0 * section.GJ / shear)
-    return [(plain**power + sign * x / np.pi) ** (1.0 / power) for power, x in zip((2, 4, 4), added, strict=True)]
-
-
 def of_section(section):
     return np.array([getattr(section, name) for name in KINDS.values()])
 
