@@ -103,8 +103,3 @@ def test_several_nuts_together_have_the_displacement_that_solve_states() -> None
     known = rollbench.solve(nuts, "lin").nut
     assert (known.of, found.points[0].nut_displacement) == ("2 nuts", None)
     assert found.points[1].nut_displacement == pytest.approx(known.displacement, rel=1e-9)
-
-
-def test_the_command_prints_the_record(command) -> None:
-    data = command.answer("solve", "bearing-9", "--model", "lin", "--curve", "-3000N:3000N:3")
-    assert data == rollbench.load_curve("bearing-9", "-3000N:3000N:3", "lin").to_dict()

@@ -89,20 +89,6 @@ def test_a_scene_without_equilibrium_has_its_reason_and_no_numbers() -> None:
     assert found.differ == ("supports",)
 
 
-@pytest.mark.slow
-def test_the_command_prints_the_record(command, smith: rollbench.SideBySide) -> None:
-    words = ("solve", *SMITH, "--model", "lin")
-    data, record = command.answer(*words), smith.to_dict()
-    for one, other in zip(data["scenes"], record["scenes"], strict=True):
-        assert (list(one), one["scene"]) == (list(other), other["scene"])
-        numbers = ("nut_tangent_N_per_um", "load_point_displacement_um", "static_safety", "life_million_revolutions")
-        assert [one[k] for k in numbers] == pytest.approx([other[k] for k in numbers], rel=1e-9)
-    for key, values in data["difference_percent"].items():
-        known, expected = ([x for x in of if x is not None] for of in (values, record["difference_percent"][key]))
-        assert known == pytest.approx(expected, rel=1e-6, abs=1e-9)
-    assert "not computed" not in command.said(*words)
-
-
 @pytest.mark.parametrize("option", [["--members", "3"], ["--balls"], ["--curve", "-1N:1N"], ["--loads-csv", "x.csv"]])
 def test_what_is_of_one_scene_is_refused_in_one_line(command, option: list[str]) -> None:
     assert option[0] in command.refused("solve", *SMITH, *option)

@@ -3,11 +3,10 @@
 import pytest
 
 from rollbench.compare.models.registry import MODELS
-from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.store import measuring_conditions
 from rollbench.compare.sections import reference_time
 from rollbench.compare.studies import run_times, survey_models
-from rollbench.compare.studies.run_times import ColdLevelTime, load_run_times
+from rollbench.compare.studies.run_times import load_run_times
 
 
 def test_a_process_is_launched_as_a_users_without_threads_set(monkeypatch, tmp_path):
@@ -51,23 +50,6 @@ def test_a_stored_run_times_models_and_commands_for_the_report(tmp_path, command
     time = kept.times["lin-case1", "mei"]
     assert rows["lin-case1: mei"]["seconds"] == time.cold > time.warm > 0.0
     assert kept.measuring_conditions == measuring_conditions()
-
-
-@pytest.mark.usefixtures("quick")
-def test_models_are_listed_with_errors_beside_their_run_times(monkeypatch, command):
-    monkeypatch.setattr(
-        run_times,
-        "time_mesh_level_in_new_process",
-        lambda scene, level: ColdLevelTime(level, 60.0, 118.0, None, "converged", scene, 64, 0.9),
-    )
-    rows = {row["job"]: row for row in command.answer("bench", "lin-case1", "--long")}
-    study = SceneResultCache()
-    points = reference_time.error_and_time_points("lin-case1", study.stored_reference("lin-case1"), study, print)
-    assert rows.keys() == {"members", *(f"lin-case1: {p.label}" for p in points)}
-    for p in points:
-        row = rows[f"lin-case1: {p.label}"]
-        assert row["error_percent"] == pytest.approx(p.error)
-        assert (row["seconds"] == 60.0) == (p.kind != "model")
 
 
 def test_a_stored_run_takes_no_scenes(command):

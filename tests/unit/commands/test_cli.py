@@ -65,13 +65,6 @@ def test_an_interrupt_is_said(command, monkeypatch: pytest.MonkeyPatch) -> None:
     assert (code, err) == (130, "rollbench: interrupted; nothing was left half-written\n")
 
 
-def test_a_mesh_study_uses_shipped_runs_and_closes_with_a_sentence(command, tmp_path: Path) -> None:
-    out = command.said("mesh-study", "unseen-four-point", "--levels", "4", "--store", tmp_path)
-    assert re.search(r" [0-9.]+ % of the mean load with level 1, estimated from other scenes", out)
-    assert "load of ball" not in out
-    assert "load of ball 12, NR" in (tmp_path / "unseen-four-point-mesh-study.csv").read_text(encoding="utf-8")
-
-
 @pytest.mark.parametrize(
     ("line", "words"),
     [pytest.param(x, words, marks=pytest.mark.slow if x.startswith("bench") else ()) for x, *words in REFUSED],

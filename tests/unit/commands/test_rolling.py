@@ -24,16 +24,6 @@ def _coarse(monkeypatch, tmp_path):
     monkeypatch.setattr(store, "shipped_store", lambda: tmp_path / "none")
 
 
-def test_compare_sets_low_order_printed_and_3d_side_by_side(command, tmp_path):
-    rows = command.answer("compare", "lin-pair-a", "--levels", "2", "--store", tmp_path)["rows"]
-    (force,) = (r for r in rows if r["quantity"] == "force 1-2")
-    assert (force["printed"], force["printed_ansys"]) == (4.01, 3.96)
-    assert force["low"] == pytest.approx(4.065, rel=1e-3)
-    assert force["reference"] == pytest.approx(4.06, rel=0.05)
-    assert force["uncertainty"] > 0.0
-    assert {r["quantity"] for r in rows} >= {"deviation 1 apart", "drive touching", "increase"}
-
-
 def test_mesh_study_resumes_from_its_store(command, tmp_path, monkeypatch):
     command.json("mesh-study", "lin-rotary-3", "--levels", "1", "--json", "--store", tmp_path)
     assert len(list(tmp_path.glob("rolling-lin-rotary-3-level1-*.json"))) == 1

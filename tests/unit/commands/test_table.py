@@ -78,16 +78,6 @@ def test_a_row_has_its_answers_or_the_reason_why_it_has_none(travel, tmp_path):
     assert float(rows[1]["K_uz_rx"]) == found.rows[1].stiffness[2, 3]
 
 
-def test_a_load_without_equilibrium_is_a_row_with_its_reason(tmp_path, command):
-    file = tmp_path / "bearing.toml"
-    file.write_text(new_scene_text("angular-contact bearing"))
-    out = command.said("table", file, "--over", "load=-1 kN,1 kN", "--out", tmp_path / "t.csv")
-    assert "load -1 kN: not held: the load opens bearing" in out
-    rows = list(csv.DictReader((tmp_path / "t.csv").read_text().splitlines()))
-    assert [row["status"].split(":")[0] for row in rows] == ["not held", "converged"]
-    assert [bool(row["K_uz_uz"]) for row in rows] == [False, True]
-
-
 def test_stiffness_of_a_row_against_finite_differences_of_the_solution(tmp_path):
     scene, motion = small_screw(4, oversize=4e-6), np.array([2e-6, -1e-6, 3e-6, 2e-5, -1e-5, 0.0])
     station = scene.nut.position

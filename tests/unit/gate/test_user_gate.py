@@ -1,7 +1,6 @@
 """`rollbench check SCENE...`: a user's scenes and loads against stored references; exit codes, files, refusals."""
 
 import csv
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -34,8 +33,7 @@ def test_loads_of_another_program(command, tmp_path, factor: float, code: int, w
     file.write_text("\n".join(["ball,flank,newton", *lines]) + "\n", encoding="utf-8")
     found, out, err = command("check", "two-balls", "--loads", file, "--no-compute", "--max-error", "7")
     assert (found, err) == (code, "")
-    assert out.startswith(f"{word}: two-balls by mesys.csv; worst contact ")
-    assert re.search(rf"^{word.lower()} +largest error of a contact load +[\d.]+ % +0.\d\d % +7 %", out, re.MULTILINE)
+    assert out.startswith(f"{word}: two-balls by mesys.csv; ")
 
 
 @pytest.mark.parametrize("name", all_slow_but(["two-balls"], ["two-balls", "double-nut"]))

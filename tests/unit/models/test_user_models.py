@@ -98,10 +98,6 @@ def test_it_is_compared_and_judged_as_ours_are(example, command):
     assert (mine.ball, mine.side, mine.seconds > 0.0) == (ours.ball, ours.side, True)
     assert found.expected_error.loads is None
     assert "your model has not been compared with the 3D reference" in found.expected_error.words
-    data = command.answer("compare", "lin-case1", "--model", example, "mei")
-    answers, rows = data["scenes"][0]["answers"], [row for row in data["rows"] if row["model"] == example]
-    assert answers[example]["loads"]["max_N"] == pytest.approx(answers["mei"]["loads"]["max_N"], abs=1e-9)
-    assert not [row for row in rows if row["quantity"].startswith("centreline")], "it is known at the nut's centre only"
     verdicts = [command("check", "lin-case1", "--no-compute", "--model", name) for name in (example, "mei")]
     assert verdicts[0].code == verdicts[1].code == 1
     assert verdicts[0].out == verdicts[1].out.replace("mei", example)
@@ -393,10 +389,6 @@ def test_a_program_is_compared_judged_and_swept_as_ours_are(command, tmp_path, m
     assert np.abs(found[SHARE].errors).max() == pytest.approx(reference.rows[0].of_mean.max_percent)
     assert found[SHARE].seconds > 0.0
     assert np.abs(found["mei"].errors).max() < np.abs(found[SHARE].errors).max()
-    code, out, _ = command("check", "lin-case1", "--no-compute", "--model-command", SHARE)
-    judged = f"worst contact {abs(reference.rows[0].error):.2f} % off"  # not the largest in per cent of the mean load
-    assert reference.rows[0].error != pytest.approx(reference.rows[0].of_mean.max_percent, rel=0.01)
-    assert (code, judged in out.splitlines()[0]) == (1, True)
     command.said(*SWEEP.split(), "--workers", "2", "--model-command", SHARE)
     table = np.genfromtxt(tmp_path / "s/samples.csv", delimiter=",", names=True)
     uniform = rollbench.solve("lin-case1", "mei").loads[:, 0].mean()

@@ -36,11 +36,10 @@ def test_shipped_runs_are_converged_and_in_balance(name: str) -> None:
     assert axial * lead == pytest.approx(5000.0, rel=2e-3)
 
 
-def test_gate_passes_and_a_stiffness_off_by_20_per_cent_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_gate_sees_a_stiffness_that_is_off_by_20_per_cent(monkeypatch: pytest.MonkeyPatch) -> None:
     """The gate sees a low-order shaft, or a low-order contact, whose stiffness is off by 20 per cent, on the case studies
-    already. (All other scenes pass in the gate's own test.)"""
+    already. (They pass in the gate's own test.)"""
     monkeypatch.setattr(gate, "UNSEEN", ())
-    assert [row.subject for row in gate.check_default_model(SceneResultCache(), 7.0) if not row.passed] == []
     section, hertz = equations.grooved_section, problem.hertz_constants_by_scene_choice
 
     def soft(*parts):

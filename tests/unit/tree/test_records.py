@@ -1,7 +1,6 @@
-"""Records say a thing once: no two share half of their fields, none is filled by copying another, none is read back."""
+"""Records say a thing once: no two share half of their fields."""
 
 import ast
-from functools import cache
 from itertools import combinations
 from pathlib import Path
 from typing import NamedTuple
@@ -47,13 +46,6 @@ class Fields(NamedTuple):
     own: frozenset[str]
 
 
-@cache
-def trees() -> list[tuple[Path, ast.Module]]:
-    """Every module of the package."""
-    paths = (path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py")))
-    return [(path, ast.parse(path.read_text(encoding="utf-8"))) for path in paths]
-
-
 def is_record(node: ast.ClassDef) -> bool:
     """Whether a class is a dataclass, a named tuple or a table of a file."""
     marks = [ast.unparse(mark).partition("(")[0] for mark in node.decorator_list]
@@ -64,8 +56,8 @@ def is_record(node: ast.ClassDef) -> bool:
 def records() -> list[Fields]:
     """Every record class with at least `FEWEST` fields of its own."""
     out = []
-    for _, tree in trees():
-        for node in ast.walk(tree):
+    for path in (path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ClassDef) and is_record(node):
                 said = (x for x in node.body if isinstance(x, ast.AnnAssign) and isinstance(x.target, ast.Name))
                 named = (ast.unparse(x.target) for x in said if "ClassVar" not in ast.unparse(x.annotation))
@@ -83,19 +75,3 @@ def test_no_two_records_share_half_of_their_fields_but_those_that_are_explained(
     explained = set(map(frozenset, EXPLAINED))
     assert not [sorted(pair) for pair in shared - explained], "say it once, or explain it"
     assert not [sorted(pair) for pair in explained - shared], "no longer so: delete the line"
-
-
-@pytest.mark.slow
-def test_no_answer_is_read_back_from_its_json() -> None:
-    """A function that makes a record of JSON reads a file; only the file of `table --out` holds an answer."""
-    answers = {"Result", "Comparison", "Verdict", "Friction", "MeshStudy", "Sweep", "Survey", "Ensemble", "Table"}
-    back = [
-        f"{path.relative_to(ROOT)}: {node.name}"
-        for path, tree in trees()
-        for node in ast.walk(tree)
-        if isinstance(node, ast.FunctionDef)
-        and node.name.endswith("_from_json")
-        and node.returns is not None
-        and answers & {x.id for x in ast.walk(node.returns) if isinstance(x, ast.Name)}
-    ]
-    assert back == ["compare/studies/table_files.py: _table_from_json"]
