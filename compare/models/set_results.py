@@ -180,7 +180,7 @@ def ball_load_summary(load: Array, contacts: int = 0) -> BallLoadSummary | None:
     """Return the summary of the contact loads of balls; None if no contact is loaded.
 
     ``load``: contact loads of n balls on the four flanks, (n, 4) [N]. ``contacts``: number by which the sum of the loads is
-    divided for the mean load; 0: the number of loaded contacts.
+    divided for the mean load; 0: the number of contacts that bear 1 % of the largest load or more (`count_contacts`).
     """
     loaded = load > 0.0
     if not loaded.any():
