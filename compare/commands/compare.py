@@ -14,7 +14,7 @@ from rollbench.compare.text import printing
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.estimate import Reference
-    from rollbench.compare.reference.jobs import ComputingSettings
+    from rollbench.compare.reference.tasks import Solvable
     from rollbench.compare.results.comparison import Comparison, ModelLoads
     from rollbench.compare.scenes.duty_cycle import FrictionScene
     from rollbench.compare.studies.rolling.rows import RollingComparisonRow
@@ -50,110 +50,6 @@ def parse_levels(text: str) -> tuple[int, ...]:
     return tuple(sorted({names[word] for word in words}))
 
 
-def compare_and_report(
-    names: Sequence[str],
-    models: Sequence[str],
-    levels: tuple[int, ...] | None,
-    store: Path,
-    engine: ComputingSettings,
-    *,
-    fresh: bool = False,
-    balls: bool = False,
-    verbose: bool = False,
-    reference: Path | None = None,
-) -> printing.CommandOutput:
-    """Compare low-order models with the 3D reference of every scene, and return what the terminal shows.
-
-    Missing runs of the reference are computed first. The result has a verdict, a table of models and the names of written
-    files, and JSON with the results of all models and coarser meshes.
-
-    ``levels``: mesh levels to use; None: the best stored run, or the levels `ADVISED` if none is stored. ``fresh``: compute
-    these levels even if they are stored. ``balls``: also print every contact. ``verbose``: also print the causes of the
-    uncertainty. ``reference``: file of the user that replaces the 3D reference. ``store``: folder of stored runs;
-    ``engine``: computes missing runs. Raises SceneNotCoveredError if no run of a scene converged.
-    """
-    from rollbench.compare.models.comparison import RULE, comparison_rows, path_of_condensed_bodies
-    from rollbench.compare.models.registry import model_by_name
-    from rollbench.compare.results.base import add_schema_version, format_table_as_text
-    from rollbench.compare.results.comparing import make_comparison, prepare_comparison
-    from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.duty_cycle import DutyCycle, load_cases_by_scene_name
-    from rollbench.compare.scenes.scene_file import scenes_to_solve
-
-    chosen = [model_by_name(name, "models") for name in models]
-    described = [catalogue.scene_of_any_kind(name) for name in names]
-    if reference is not None:
-        advice = "leave one of the two out, because the file of `reference` replaces the 3D reference"
-        given = {"levels": levels, "fresh": fresh}
-        terminal.refuse_given_arguments(given, "only without `reference`", advice, "this option with `reference`")
-    how: dict[str, Any] = {"store": store, "levels": levels, "fresh": fresh, "reference": reference}
-    found = prepare_comparison(described, names, chosen, engine, show_progress_message, **how)
-    origins = [(x, name) for one, name in zip(described, names, strict=True) for x in scenes_to_solve(one, name)]
-    cases, warnings, stores = load_cases_by_scene_name(described), found.warnings, found.stores
-
-    def cycle_summaries(parts: Sequence[Comparison]) -> list[dict[str, Any]]:
-        """Return the summaries of all duty cycles, from the comparisons of all nuts, bearings and load cases."""
-        cycles = {one.name: one for one in described if isinstance(one, DutyCycle)}.values()
-        return [row for one in cycles for row in make_comparison(one, parts).cycle_summaries()]
-
-    def terminal_parts() -> Iterator[Any]:
-        """Yield the texts and tables for the terminal: verdict, results and errors of the models for each scene."""
-        comparisons, warned = [], [f"WARNING: {warning}" for warning in warnings]
-        for whole in found.compare_each():
-            assert whole.of is not None
-            assert whole.reference is not None
-            assert whole.uncertainty is not None
-            comparisons.append(whole)
-            scene, shared = whole.of.scene, whole.uncertainty.shared_error_sentence
-            yield from (f"{whole.scene}: {whole.verdict}", *filter(None, [shared]), *warned, "")
-            warned = []
-            yield from (format_table_as_text(whole.table(), printing.text_width(), whole.headings), "")
-            cells = [*map(_model_table_cells, (whole.reference, *whole.models.values()))]
-            yield from (printing.TextTable(MODEL_COLUMNS, cells), "")
-            if verbose:
-                yield from (whole.uncertainty.words, f"rule of rollbench check: {RULE}")
-                if whole.unloaded_position:
-                    yield (
-                        "displacements of models and reference are measured from the position without loads, which is "
-                        f"{1e6 * whole.unloaded_position:.3g} um from the nominal position by the model "
-                        f"{whole.judged_model.title}"
-                    )
-            if balls:
-                rows = [
-                    {k.removesuffix("_N"): v for k, v in row.items() if not k.endswith("percent")}
-                    for row in whole.frame_rows()
-                ]
-                yield from (printing.table_of_records(rows, ".2f", f"{scene.name}: contact loads / N"), "")
-            single = whole.of.assembly is None
-            bodies = path_of_condensed_bodies(scene, whole.of.reference, stores) if single else None
-            if bodies is not None:
-                name = next(name for of, name in origins if of is scene)
-                command = f"rollbench solve {shlex.quote(name)} --condensed {shlex.quote(str(bodies))}"
-                yield f"preload, 6 x 6 stiffness and friction with the 3D bodies: {command}"
-            yield write_contact_loads(whole, store / f"{scene.name}-compare")
-            if not verbose:
-                yield "--verbose also shows: causes of the uncertainty, rule of rollbench check, times of stored runs"
-        for summary in cycle_summaries(comparisons):
-            yield from ("", _duty_cycle_sentence(summary))
-
-    def json_output() -> dict[str, Any]:
-        """Return the JSON output: loads of every contact, and results and errors of the models, for each scene."""
-        comparisons = list(found.compare_each())
-        listed, single, of_cases = (list[dict[str, Any]]() for _ in range(3))
-        for whole in comparisons:
-            assert whole.of is not None
-            for b in whole.models.values():
-                rows = comparison_rows(whole.of.scene, b.contact_loads, whole.of.reference)
-                listed += [row.as_json() | whole.identifying_values(cases) for row in rows]
-            (of_cases if whole.of.described_scene.name in cases else single).append(whole.part_json(cases))
-        out = add_schema_version({"scenes": single, "rows": listed})
-        out |= {"warnings": warnings} if found.from_user_file else {}
-        return out | ({"summary": cycle_summaries(comparisons), "cases": of_cases} if cases else {})
-
-    code = exit_code_of_references(one.reference for sets in found.references for one in sets)
-    return printing.CommandOutput(json_output, terminal_parts(), code)
-
-
 def _duty_cycle_sentence(data: dict[str, Any]) -> str:
     """Return a sentence on the largest error of a model's contact loads, and the life that follows, over a duty cycle.
 
@@ -170,6 +66,57 @@ def _duty_cycle_sentence(data: dict[str, Any]) -> str:
     case = data["largest_error_case"]
     worst = "" if error is None else f"largest error of {data['model']} {error:.2f} %, in case {case}; "
     return f"{data['scene']}{', ' + data['set'] if 'set' in data else ''}: {worst}{life}"
+
+
+def _terminal_parts(
+    whole: Comparison,
+    origins: Sequence[tuple[Solvable, str]],
+    store: Path,
+    warned: Sequence[str],
+    *,
+    balls: bool,
+    verbose: bool,
+) -> Iterator[Any]:
+    """Yield texts and tables for the terminal: verdict, results and errors of the models for one nut or bearing.
+
+    ``origins``: each solved scene with the name or file that the user stated. ``warned``: warnings to print. ``store``:
+    folder to which loads of all contacts are written. ``balls``: also print every contact. ``verbose``: also print the
+    causes of the uncertainty.
+    """
+    from rollbench.compare.models.comparison import RULE, path_of_condensed_bodies
+    from rollbench.compare.reference.store import shipped_store
+    from rollbench.compare.results.base import format_table_as_text
+
+    assert whole.of is not None
+    assert whole.reference is not None
+    assert whole.uncertainty is not None
+    scene, shared = whole.of.scene, whole.uncertainty.shared_error_sentence
+    yield from (f"{whole.scene}: {whole.verdict}", *filter(None, [shared]), *warned, "")
+    yield from (format_table_as_text(whole.table(), printing.text_width(), whole.headings), "")
+    cells = [*map(_model_table_cells, (whole.reference, *whole.models.values()))]
+    yield from (printing.TextTable(MODEL_COLUMNS, cells), "")
+    if verbose:
+        yield from (whole.uncertainty.words, f"rule of rollbench check: {RULE}")
+        if whole.unloaded_position:
+            yield (
+                "displacements of models and reference are measured from the position without loads, which is "
+                f"{1e6 * whole.unloaded_position:.3g} um from the nominal position by the model "
+                f"{whole.judged_model.title}"
+            )
+    if balls:
+        rows = [
+            {k.removesuffix("_N"): v for k, v in row.items() if not k.endswith("percent")} for row in whole.frame_rows()
+        ]
+        yield from (printing.table_of_records(rows, ".2f", f"{scene.name}: contact loads / N"), "")
+    single, stores = whole.of.assembly is None, (store, shipped_store())
+    bodies = path_of_condensed_bodies(scene, whole.of.reference, stores) if single else None
+    if bodies is not None:
+        name = next(name for of, name in origins if of is scene)
+        command = f"rollbench solve {shlex.quote(name)} --condensed {shlex.quote(str(bodies))}"
+        yield f"preload, 6 x 6 stiffness and friction with the 3D bodies: {command}"
+    yield write_contact_loads(whole, store / f"{scene.name}-compare")
+    if not verbose:
+        yield "--verbose also shows: causes of the uncertainty, rule of rollbench check, times of stored runs"
 
 
 @terminal.app.command
@@ -232,11 +179,58 @@ def compare(
         shown = dict.fromkeys(row.scene for row in rows)
         tables = (rolling_comparison_table(name, [row for row in rows if row.scene == name]) for name in shown)
         answer = printing.CommandOutput({"rows": [row.as_json() for row in rows]}, tables)
-    else:
-        models = [*(model or ()), *filter(None, [command])]
-        how: dict[str, Any] = {"fresh": fresh, "balls": balls, "verbose": verbose, "reference": reference}
-        answer = compare_and_report(scenes, models, wanted, store, engine, **how)
-    return printing.print_command_output(answer, as_json)
+        return printing.print_command_output(answer, as_json)
+    from rollbench.compare.models.comparison import comparison_rows
+    from rollbench.compare.models.registry import model_by_name
+    from rollbench.compare.results.base import add_schema_version
+    from rollbench.compare.results.comparing import make_comparison, prepare_comparison
+    from rollbench.compare.scenes import catalogue
+    from rollbench.compare.scenes.duty_cycle import DutyCycle, load_cases_by_scene_name
+    from rollbench.compare.scenes.scene_file import scenes_to_solve
+
+    chosen = [model_by_name(name, "models") for name in (*(model or ()), *filter(None, [command]))]
+    described = [catalogue.scene_of_any_kind(name) for name in scenes]
+    if reference is not None:
+        advice = "leave one of the two out, because the file of `reference` replaces the 3D reference"
+        given = {"levels": wanted, "fresh": fresh}
+        terminal.refuse_given_arguments(given, "only without `reference`", advice, "this option with `reference`")
+    how: dict[str, Any] = {"store": store, "levels": wanted, "fresh": fresh, "reference": reference}
+    found = prepare_comparison(described, scenes, chosen, engine, show_progress_message, **how)
+    origins = [(x, name) for one, name in zip(described, scenes, strict=True) for x in scenes_to_solve(one, name)]
+    cases = load_cases_by_scene_name(described)
+
+    def cycle_summaries(parts: Sequence[Comparison]) -> list[dict[str, Any]]:
+        """Return the summaries of all duty cycles, from the comparisons of all nuts, bearings and load cases."""
+        cycles = {one.name: one for one in described if isinstance(one, DutyCycle)}.values()
+        return [row for one in cycles for row in make_comparison(one, parts).cycle_summaries()]
+
+    def terminal_parts() -> Iterator[Any]:
+        """Yield the texts and tables for the terminal, those of each nut or bearing as soon as it is compared."""
+        comparisons: list[Comparison] = []
+        warned = [f"WARNING: {warning}" for warning in found.warnings]
+        for whole in found.compare_each():
+            first = [] if comparisons else warned
+            yield from _terminal_parts(whole, origins, store, first, balls=balls, verbose=verbose)
+            comparisons.append(whole)
+        for summary in cycle_summaries(comparisons):
+            yield from ("", _duty_cycle_sentence(summary))
+
+    def json_output() -> dict[str, Any]:
+        """Return the JSON output: loads of every contact, and results and errors of the models, for each scene."""
+        comparisons = list(found.compare_each())
+        listed, single, of_cases = (list[dict[str, Any]]() for _ in range(3))
+        for whole in comparisons:
+            assert whole.of is not None
+            for b in whole.models.values():
+                rows = comparison_rows(whole.of.scene, b.contact_loads, whole.of.reference)
+                listed += [row.as_json() | whole.identifying_values(cases) for row in rows]
+            (of_cases if whole.of.described_scene.name in cases else single).append(whole.part_json(cases))
+        out = add_schema_version({"scenes": single, "rows": listed})
+        out |= {"warnings": found.warnings} if found.from_user_file else {}
+        return out | ({"summary": cycle_summaries(comparisons), "cases": of_cases} if cases else {})
+
+    code = exit_code_of_references(one.reference for sets in found.references for one in sets)
+    return printing.print_command_output(printing.CommandOutput(json_output, terminal_parts(), code), as_json)
 
 
 #: Scenes for which only friction is computed and which have a 3D reference, as words of a message.

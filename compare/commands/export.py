@@ -278,45 +278,6 @@ def write_step_bodies(described: Solvable, out: Path | None) -> CommandOutput:
     return CommandOutput({"files": [str(path) for path in files], "largest_distance_um": 1e6 * max(files.values())}, lines)
 
 
-def write_condensed_bodies(typed: str, out: Path | None, level: int, *, cache: Path | None) -> CommandOutput:
-    """Compute the compliances of screw and nut between their contacts from 3D meshes, and write them to a file.
-
-    The contacts are those on all four groove flanks. ``typed``: name or file of the scene; all its load cases are covered.
-    ``out``: the file; None: ``<scene>-condensed.npz``. The file is written completely or not at all.
-    Raises InputError for a level out of range, a mesh that cannot be built, and a file that cannot be written.
-    """
-    from rollbench.compare.files import check_writable, raise_input_error_if_not_writable
-    from rollbench.compare.reference.levels import LEVELS
-    from rollbench.compare.reference.tasks import mesh_settings
-    from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.scene_file import scenes_to_solve, single_nut_scene_or_raise
-
-    if level not in LEVELS:
-        raise ArgumentError("level", str(level), f"1 to {len(LEVELS)}", "choose a mesh level")
-    described = catalogue.scene_of_any_kind(typed)
-    scenes = [single_nut_scene_or_raise(x, typed) for x in scenes_to_solve(described, typed)]
-    scene = scenes[0]
-    out = out or Path(f"{described.name}-condensed.npz")
-    check_writable(out)
-    running.check_reference_programs()
-    from rollbench.hifi.condensed import collect_condensed_bodies
-    from rollbench.hifi.setup import mesh_and_condense_geometry
-    from rollbench.meshes.cache import Cache
-
-    try:
-        settings, step = mesh_settings(scenes, level), running.show_progress_message
-        how: dict[str, Any] = {"cache": Cache(cache), "processes": running.usable_cores()}
-        setup = mesh_and_condense_geometry(scene, (0, 1, 2, 3), settings, step, **how)
-    except MemoryError as error:
-        raise running.out_of_memory_error(error) from error
-    except ValueError as error:
-        raise SceneNotCoveredError(scene.name, "3D bodies", str(error), "change the keys that the reason names") from error
-    with raise_input_error_if_not_writable(out):
-        collect_condensed_bodies(setup, level).save(out)
-    command = f"rollbench solve {shlex.quote(typed)} --condensed {shlex.quote(str(out))}"
-    return CommandOutput(texts_and_tables=[f"wrote {out}; use it with: {command}"])
-
-
 @app.command
 def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
     """Reduce the 3D bodies of a scene to the compliances of their contacts, for rollbench solve --condensed.
@@ -331,41 +292,36 @@ def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
     level
         Mesh level, 1 (coarse) to 3.
     """
-    return print_command_output(write_condensed_bodies(scene, out, level, cache=cache_folder()))
+    from rollbench.compare.files import check_writable, raise_input_error_if_not_writable
+    from rollbench.compare.reference.levels import LEVELS
+    from rollbench.compare.reference.tasks import mesh_settings
+    from rollbench.compare.scenes import catalogue
+    from rollbench.compare.scenes.scene_file import scenes_to_solve, single_nut_scene_or_raise
 
+    if level not in LEVELS:
+        raise ArgumentError("level", str(level), f"1 to {len(LEVELS)}", "choose a mesh level")
+    described = catalogue.scene_of_any_kind(scene)
+    scenes = [single_nut_scene_or_raise(x, scene) for x in scenes_to_solve(described, scene)]
+    out = out or Path(f"{described.name}-condensed.npz")
+    check_writable(out)
+    running.check_reference_programs()
+    from rollbench.hifi.condensed import collect_condensed_bodies
+    from rollbench.hifi.setup import mesh_and_condense_geometry
+    from rollbench.meshes.cache import Cache
 
-def compare_with_calculix(
-    name: str, *, run: bool, fresh: bool, data: Path | None, work: Path, store: Path, engine: ComputingSettings
-) -> CommandOutput:
-    """Compare the contact loads of a scene by the 3D reference with those by CalculiX, and return tables and sentences.
-
-    ``run``: whether decks without a stored result are solved with CalculiX. ``fresh``: whether all decks are solved again.
-    ``data``: folder of stored results of CalculiX; None: those of the package. ``work``: folder of decks. ``store``: folder
-    of runs of the 3D reference. ``engine``: computes missing runs. Raises InputError for a scene without stored
-    results, if the results belong to another scene of the same name, and if CalculiX fails.
-    """
-    from rollbench.compare.studies.crosscheck import results, study
-
-    scene, folder = study.scene_compared_with_calculix(name), data or results.shipped_calculix_results_folder()
-    written = []
-    if run:
-        running.check_gmsh()
-        kept = None if fresh else results.load_calculix_results(folder, scene.name)
-        stored_runs = kept.runs if kept is not None and kept.key == study.digest_of_shipped_scene(scene.name) else ()
-        solved = study.solve_decks_of_scene(scene, work, running.show_progress_message, stored_runs)
-        written.append(f"wrote {results.save_calculix_results(folder, solved)}")
-        if scene.name == study.NUT_SCENE and (fresh or study.load_nut_compliance(folder) is None):
-            compliance = study.compare_nut_compliance(scene, work, key=study.digest_of_shipped_scene(scene.name))
-            written.append(f"wrote {study.save_nut_compliance(folder, compliance)}")
-    found = stored_calculix_results(folder, scene)
-    ours = _find_or_compute_reference(scene, store, engine)
-    rows = results.compare_contact_loads(found, ours)
-    agreed = results.agreement_sentence(scene.name, rows)
-    parts = [*written, _calculix_loads_table(scene, rows), agreed]
-    alone = study.load_nut_compliance(folder)
-    if alone is not None and alone.key == study.digest_of_shipped_scene(scene.name):
-        parts.append(alone.sentence_on_agreement())
-    return CommandOutput({"scene": scene.name, "agreement": agreed, "contacts": rows}, parts)
+    try:
+        settings, step = mesh_settings(scenes, level), running.show_progress_message
+        how: dict[str, Any] = {"cache": Cache(cache_folder()), "processes": running.usable_cores()}
+        setup = mesh_and_condense_geometry(scenes[0], (0, 1, 2, 3), settings, step, **how)
+    except MemoryError as error:
+        raise running.out_of_memory_error(error) from error
+    except ValueError as error:
+        advice = "change the keys that the reason names"
+        raise SceneNotCoveredError(scenes[0].name, "3D bodies", str(error), advice) from error
+    with raise_input_error_if_not_writable(out):
+        collect_condensed_bodies(setup, level).save(out)
+    command = f"rollbench solve {shlex.quote(scene)} --condensed {shlex.quote(str(out))}"
+    return print_command_output(CommandOutput(texts_and_tables=[f"wrote {out}; use it with: {command}"]))
 
 
 def stored_calculix_results(folder: Path, scene: Scene) -> CalculixRunsOfScene:
@@ -451,7 +407,26 @@ def crosscheck(
         Folder of stored runs of the 3D reference, used in addition to the shipped runs; a missing run is computed.
     """
     from rollbench.compare.reference.jobs import ComputingSettings
+    from rollbench.compare.studies.crosscheck import results, study
 
-    where = ComputingSettings(cache_folder=cache_folder())
-    found = compare_with_calculix(scene, run=run, fresh=fresh, data=data, work=work, store=store, engine=where)
-    return print_command_output(found, as_json)
+    of, folder = study.scene_compared_with_calculix(scene), data or results.shipped_calculix_results_folder()
+    written = []
+    if run:
+        running.check_gmsh()
+        kept = None if fresh else results.load_calculix_results(folder, of.name)
+        stored_runs = kept.runs if kept is not None and kept.key == study.digest_of_shipped_scene(of.name) else ()
+        solved = study.solve_decks_of_scene(of, work, running.show_progress_message, stored_runs)
+        written.append(f"wrote {results.save_calculix_results(folder, solved)}")
+        if of.name == study.NUT_SCENE and (fresh or study.load_nut_compliance(folder) is None):
+            compliance = study.compare_nut_compliance(of, work, key=study.digest_of_shipped_scene(of.name))
+            written.append(f"wrote {study.save_nut_compliance(folder, compliance)}")
+    found = stored_calculix_results(folder, of)
+    ours = _find_or_compute_reference(of, store, ComputingSettings(cache_folder=cache_folder()))
+    rows = results.compare_contact_loads(found, ours)
+    agreed = results.agreement_sentence(of.name, rows)
+    parts = [*written, _calculix_loads_table(of, rows), agreed]
+    alone = study.load_nut_compliance(folder)
+    if alone is not None and alone.key == study.digest_of_shipped_scene(of.name):
+        parts.append(alone.sentence_on_agreement())
+    answer = CommandOutput({"scene": of.name, "agreement": agreed, "contacts": rows}, parts)
+    return print_command_output(answer, as_json)

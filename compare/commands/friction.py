@@ -13,7 +13,6 @@ from rollbench.compare.text.printing import CommandOutput, print_command_output,
 
 if TYPE_CHECKING:
     from rollbench.compare.results.friction import Friction
-    from rollbench.compare.studies.friction.whole import FrictionChoices
 
 
 @app.command
@@ -66,43 +65,18 @@ def friction(
         Also print further quantities and explanations, the assumptions, neglected effects, the force balance and data of
         the solver.
     """
-    from rollbench.compare.studies.friction.whole import FrictionChoices
-
-    choices = FrictionChoices(model, tuple(mu or ()), member, condensed)
-    found = solve_and_report_friction(
-        scene, choices, balls=balls, plot=plot, details=verbose, time_limit=time_limit, strict=strict
-    )
-    return print_command_output(found, as_json)
-
-
-def solve_and_report_friction(
-    name: str,
-    choices: FrictionChoices,
-    *,
-    balls: bool = False,
-    plot: Path | None = None,
-    details: bool = False,
-    time_limit: float | None = None,
-    strict: bool = False,
-) -> CommandOutput:
-    """Compute the friction in a scene of any kind, and return what is printed; InputError if the scene cannot be used.
-
-    ``choices``: model, coefficients of friction and number of the specimen. ``plot``: file for a figure, or None.
-    ``balls``, ``details``: see `friction_terminal_parts`. ``time_limit``: longest computing time [s], None for no limit.
-    The exit code is 1 if the computation did not converge or reached the time limit, and, with ``strict``, if there is a
-    warning.
-    """
     from rollbench.compare.running import checked_time_limit, watch_running_time
     from rollbench.compare.studies.friction.solve import solve_friction_of_named_scene
+    from rollbench.compare.studies.friction.whole import FrictionChoices
 
     if plot is not None:
         check_plot_file(plot)
-    with watch_running_time(f"{one_line(name)}, friction", checked_time_limit(time_limit)):
-        found = solve_friction_of_named_scene(name, choices)
+    with watch_running_time(f"{one_line(scene)}, friction", checked_time_limit(time_limit)):
+        found = solve_friction_of_named_scene(scene, FrictionChoices(model, tuple(mu or ()), member, condensed))
     code = 1 if not found.converged or (strict and found.warning) else 0
-    parts = friction_terminal_parts(found, balls=balls, details=details)
+    parts = friction_terminal_parts(found, balls=balls, details=verbose)
     parts += [] if plot is None else [write_plot(plot, found)]
-    return CommandOutput(found.to_dict(), parts, code, wrap_always=True)
+    return print_command_output(CommandOutput(found.to_dict(), parts, code, wrap_always=True), as_json)
 
 
 def friction_terminal_parts(found: Friction, *, balls: bool = False, details: bool = False) -> list[Any]:

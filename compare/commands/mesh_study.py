@@ -11,7 +11,6 @@ from rollbench.compare.running import show_progress_message
 from rollbench.compare.text.printing import CommandOutput, print_command_output, table_of_records
 
 if TYPE_CHECKING:
-    from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.reference.store import Run
     from rollbench.compare.reference.tasks import Solvable
     from rollbench.compare.results.mesh_study import MeshLevel
@@ -60,7 +59,12 @@ def mesh_study(
         finite size: pieces of screw, ring, nut and ball as in the static 3D reference; for a linear bearing, a ball and
         grooved bars).
     """
-    from rollbench.compare.commands.compare import scenes_of_friction_or_none
+    from rollbench.compare.commands.compare import exit_code_of_references, scenes_of_friction_or_none
+    from rollbench.compare.files import reason_without_figure, write_csv, write_figure, written_together
+    from rollbench.compare.reference.store import shipped_store
+    from rollbench.compare.scenes import catalogue
+    from rollbench.compare.scenes.scene_file import scenes_to_solve
+    from rollbench.compare.studies import mesh_study as study_of
 
     unused = {"spread": spread, "source_mesh": source_mesh, "bodies": bodies != "half-space"}
     if are_all_roller_scenes(scenes, unused, where):
@@ -71,49 +75,20 @@ def mesh_study(
         from rollbench.compare.studies.rolling.rows import rolling_mesh_study
 
         rows = rolling_mesh_study(rolling, levels, store, engine, **how, bodies=bodies)
-        parts: list[Any] = []
+        parts = list[Any]()
         for name in dict.fromkeys(row["scene"] for row in rows):
             of_scene = [{k: v for k, v in row.items() if k != "scene"} for row in rows if row["scene"] == name]
             parts += [f"mesh study of {name}", "", table_of_records(of_scene, ".6g")]
-        answer = CommandOutput(rows, parts)
-    else:
-        answer = study_mesh_levels(scenes, levels, store, engine, **how, spread=spread)
-    return print_command_output(answer, as_json)
-
-
-def study_mesh_levels(
-    names: Sequence[str],
-    count: int | None,
-    store: Path,
-    engine: ComputingSettings,
-    *,
-    spread: bool,
-    source: bool,
-    fresh: bool = False,
-) -> CommandOutput:
-    """Compute missing runs of the 3D reference on several mesh levels, and return the tables of the study.
-
-    The tables are also written as CSV and SVG to the folder ``store``. ``count``: number of the finest level, see
-    `mesh_levels_of_study`. ``spread``: whether modelling choices that the publication of the scene leaves open are
-    varied. ``source``: whether the mesh of Lin's thesis is used too. ``fresh``: whether stored runs are computed again.
-    Raises InputError for unknown levels, SceneNotCoveredError if no run of a scene converged.
-    """
-    from rollbench.compare.commands.compare import exit_code_of_references
-    from rollbench.compare.files import reason_without_figure, write_csv, write_figure, written_together
-    from rollbench.compare.reference.store import shipped_store
-    from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.scene_file import scenes_to_solve
-    from rollbench.compare.studies import mesh_study as study_of
-
-    scenes: list[Solvable] = [x for name in names for x in scenes_to_solve(catalogue.scene_of_any_kind(name), name)]
-    stores, levels = (store,) if fresh else (store, shipped_store()), study_of.mesh_levels_of_study(count)
+        return print_command_output(CommandOutput(rows, parts), as_json)
+    solvable: list[Solvable] = [x for name in scenes for x in scenes_to_solve(catalogue.scene_of_any_kind(name), name)]
+    stores, numbers = (store,) if fresh else (store, shipped_store()), study_of.mesh_levels_of_study(levels)
     references = study_of.compute_references_on_levels(
-        scenes, levels, stores, engine, show_progress_message, spread=spread, source=source, fresh=fresh
+        solvable, numbers, stores, engine, show_progress_message, **how, spread=spread
     )
-    tables: dict[str, list[dict[str, Any]]] = {scene.name: [] for scene in scenes}
-    parts: list[Any] = []
+    tables: dict[str, list[dict[str, Any]]] = {scene.name: [] for scene in solvable}
+    parts = list[Any]()
     for one in references:
-        study, stem = study_of.mesh_study_of_reference(one, stores, levels), store / f"{one.scene.name}-mesh-study"
+        study, stem = study_of.mesh_study_of_reference(one, stores, numbers), store / f"{one.scene.name}-mesh-study"
         table = [x.as_json() for x in study.quantities]
         rows = table if one.assembly is None else [{"set": one.set_name, **row} for row in table]
         tables[one.described_scene.name] += rows
@@ -127,7 +102,8 @@ def study_mesh_levels(
         parts += [table_of_records(study_of.mesh_study_rows_for_terminal(study.quantities)), ""]
         parts += [*study.notes, *filter(None, [one.reference.unsettled])]
         parts.append(f"every contact: {stem}.csv and {reason_without_figure() or '.svg'}")
-    return CommandOutput(tables, parts, exit_code_of_references(one.reference for one in references))
+    answer = CommandOutput(tables, parts, exit_code_of_references(one.reference for one in references))
+    return print_command_output(answer, as_json)
 
 
 def mesh_level_rows(levels: Sequence[MeshLevel], runs: Sequence[Run | RollerRun]) -> list[dict[str, Any]]:

@@ -15,8 +15,7 @@ from rollbench.compare.running import show_progress_message
 from rollbench.compare.text.printing import CommandOutput, TextTable, format_cell, print_command_output
 
 if TYPE_CHECKING:
-    from rollbench.compare.reference.jobs import ComputingSettings
-    from rollbench.compare.studies.sweep.run import Sweep, SweepDefinition
+    from rollbench.compare.studies.sweep.run import Sweep
 
 
 @terminal.app.command
@@ -63,26 +62,16 @@ def sweep(
     out
         Folder of samples and summary; samples that are stored there are not solved again.
     """
-    from rollbench.compare.studies.sweep.run import sweep_definition
+    from rollbench.compare.files import reason_without_figure
+    from rollbench.compare.studies.sweep.run import solve_sweep, sweep_definition
 
     names = [name.strip() for name in outputs.split(",") if name.strip()]
     model = terminal.model_or_program_name(program, model)
     what = sweep_definition(scene, vary, samples, method, seed, model, names)
-    return print_command_output(solve_and_report_sweep(what, out, terminal.engine_from_options(where)), as_json)
-
-
-def solve_and_report_sweep(sweep: SweepDefinition, out: Path, engine: ComputingSettings) -> CommandOutput:
-    """Solve all samples of a sweep that are not stored yet, and return its summary; exit code 1 if no sample converged.
-
-    ``sweep``: scene, varied parameters and design of the samples. ``out``: folder of samples and summary. ``engine``:
-    solves the samples. Raises InputError in the cases in which `solve_missing_samples` raises it.
-    """
-    from rollbench.compare.files import reason_without_figure
-    from rollbench.compare.studies.sweep.run import solve_sweep
-
-    found = solve_sweep(sweep, out, engine, show_progress_message)
+    found = solve_sweep(what, out, terminal.engine_from_options(where), show_progress_message)
     written = f"wrote to {out}: samples.csv, summary.json and {reason_without_figure() or 'figures (SVG)'}"
-    return CommandOutput(found.to_dict(), [*sweep_terminal_parts(found), written], 0 if found.converged else 1)
+    answer = CommandOutput(found.to_dict(), [*sweep_terminal_parts(found), written], 0 if found.converged else 1)
+    return print_command_output(answer, as_json)
 
 
 def sweep_terminal_parts(found: Sweep) -> list[Any]:

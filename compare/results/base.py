@@ -80,7 +80,8 @@ def format_table_as_text(rows: Sequence[Sequence[str]], line_width: int, heading
         if room < min(ROOM, wide[-1]):
             out.append(line.rstrip())
             line, room, no_note = "  ", line_width - 4, []
-        notes = textwrap.wrap(note, room, break_on_hyphens=False) or no_note
+        last = note if len(kept) - 1 in left else note.rjust(wide[-1])
+        notes = textwrap.wrap(last, room, break_on_hyphens=False) or no_note
         out += [f"{line if n == 0 else ' ' * len(line)}  {text}".rstrip() for n, text in enumerate(notes)]
     return "\n".join(out)
 

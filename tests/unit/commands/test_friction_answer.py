@@ -9,7 +9,6 @@ import pytest
 from tests.feed_drive import MINE, answer, mine
 from tests.helpers import ALL_BUT_AXIAL, small_screw
 
-from rollbench.compare.commands.friction import solve_and_report_friction
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.friction.solve import solve_friction_of_scene
 from rollbench.compare.studies.friction.whole import FrictionChoices
@@ -21,9 +20,9 @@ from rollbench.meshes.parts import Errors, Friction, Motion
 def test_two_start_left_hand_screw_of_a_file(tmp_path):
     path = tmp_path / "my.toml"
     path.write_text(MINE)
-    found = solve_and_report_friction(str(path), FrictionChoices())
-    data = found.data
-    assert found.exit_code == 0
+    found = solve_friction_of_named_scene(str(path), FrictionChoices())
+    data = found.to_dict()
+    assert found.converged
     t, e = data["torque"], data["energy"]
     assert (data["model"], data["converged"], data["kind"]) == ("refined", True, "ball screw")
     assert data["friction"] == {"screw": 0.06, "nut": 0.07}

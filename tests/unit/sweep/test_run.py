@@ -14,7 +14,6 @@ import pytest
 from tests.load_cases import case
 from tests.processes import python
 
-from rollbench.compare.commands.sweep import solve_and_report_sweep
 from rollbench.compare.errors import InputError
 from rollbench.compare.models import many
 from rollbench.compare.models.model import ModelOptions
@@ -25,7 +24,7 @@ from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies import columns
 from rollbench.compare.studies.sweep import run as sweeping
 from rollbench.compare.studies.sweep import sample
-from rollbench.compare.studies.sweep.run import sweep_definition
+from rollbench.compare.studies.sweep.run import solve_sweep, sweep_definition
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.parts import SIDES, Load, Motion
 
@@ -160,7 +159,7 @@ def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path, monkeypatch):
 
 def test_failures_are_rows_with_their_reason_and_one_failure_a_reason(tmp_path):
     sweep = sweep_definition("lin-case1", ["balls.radius=2.7 mm:3.4 mm"], 6, "grid", 0, "lin")
-    assert solve_and_report_sweep(sweep, tmp_path / "a", ComputingSettings()).exit_code == 0
+    assert solve_sweep(sweep, tmp_path / "a", ComputingSettings(), print).converged
     found = {record["sample"]: record for record in stored(tmp_path / "a")}
     assert (found[0]["status"], found[5]["status"][:25]) == ("converged", "refused: lin-case1.toml: ")
     lines = (tmp_path / "a" / "samples.csv").read_text().splitlines()
@@ -261,7 +260,7 @@ def test_outputs_that_are_not_asked_for_are_not_computed(tmp_path, monkeypatch):
         found, _ = solved(tmp_path / "some", some)
     kept = ("largest_load_N", "displacement_um", "life_million_revolutions", "at", "sample", "status", "values")
     assert found == {n: {name: every[n][name] for name in kept} for n in range(4)}
-    assert solve_and_report_sweep(some, tmp_path / "some", ComputingSettings()).data["outputs"].keys() == {*kept[:3]}
+    assert solve_sweep(some, tmp_path / "some", ComputingSettings(), print).to_dict()["outputs"].keys() == {*kept[:3]}
     assert (tmp_path / "some" / "samples.csv").read_text().splitlines()[0].endswith(",".join(("status", *kept[:4])))
     with pytest.raises(InputError, match="another computation"):
         run(tmp_path / "some", 4)
