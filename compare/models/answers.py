@@ -13,7 +13,6 @@ from math import degrees, sin
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
-from rollbench.compare.measure import mean_load
 from rollbench.compare.models import loading
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import MODELS, model_by_name, read_condensed_bodies, run_model, scene_key_of_error
@@ -275,7 +274,6 @@ def results_of_sets(
     bare: StaticResult | AxisResult,
     stiffness: Sequence[NutStiffness],
     lift_off: Sequence[loading.LiftOff | None],
-    member: int,
 ) -> dict[str, SetResult]:
     """Compute the results of each nut or bearing of a scene, such as life, rigidity and preload, by its name.
 
@@ -289,74 +287,47 @@ def results_of_sets(
         Displacement and stiffness of each nut or bearing.
     lift_off
         For each nut or bearing, load at which its first preloaded contact opens.
-    member
-        Number of the random draw of the geometric errors, from 0.
 
     Returns
     -------
     dict
-        The results; of nuts on a shaft without friction.
+        The results without friction of nuts, see `load_cases.with_friction_of_nuts`.
     """
-    if isinstance(scene, Scene):
-        assert isinstance(result, StaticResult)
-        assert isinstance(bare, StaticResult)
-        return {"": _results_of_single(scene, result, bare, stiffness[0], lift_off[0], member)}
-    assert isinstance(result, AxisResult)
-    assert isinstance(bare, AxisResult)
-    unloaded = bare.sets if bare.converged else [None] * len(result.sets)
-    each = zip(result.sets, unloaded, stiffness, lift_off, strict=True)
-    return {one[0].of.name: _results_of_set(scene, *one, result.member) for one in each}
-
-
-def _results_of_single(
-    scene: Scene,
-    result: StaticResult,
-    bare: StaticResult,
-    stiffness: NutStiffness,
-    lift_off: loading.LiftOff | None,
-    member: int,
-) -> SetResult:
-    """Compute all results of the only nut or bearing of a scene, such as life, rigidity and preload.
-
-    Parameters
-    ----------
-    scene
-        Scene with one nut or bearing row.
-    result, bare
-        Converged result of the scene, and its result without loads.
-    stiffness
-        Displacement and stiffness of the nut or bearing.
-    lift_off
-        Load at which the first preloaded contact opens.
-    member
-        Number of the random draw of the geometric errors, from 0.
-
-    Returns
-    -------
-    SetResult
-        The results.
-    """
-    held = loading.preload_from_unloaded(scene, bare) if bare.converged else None
-    friction, words = None, "no coefficient of friction given; rollbench friction takes 0.1"
-    if scene.friction is not None:
-        from rollbench.compare.models.friction_sums import friction_results_of_scenes  # heavy import
-
-        ((friction, words),) = friction_results_of_scenes([(scene, scene.friction, result)], member)
-    speed = None if scene.motion is None else scene.motion.speed
-    found = results_of_contact_loads(scene, result.load, result.contact_angle, result.member, result.pressure, speed=speed)
-    on_ring = np.zeros(3) if result.equilibrium is None else result.equilibrium.contact_force
-    return replace(
-        found,
-        balls=result,
-        nominal_contacts=count_nominal_contacts(scene, result),
-        nut=stiffness,
-        rigidities=_rigidities_by_formula(scene, axial_force(result), stiffness),
-        preload=held,
-        lift_off=lift_off,
-        friction=friction,
-        friction_words=words,
-        bearing_torque=bearing_friction_torque(scene, scene, "deep groove", result, on_ring, found.worst),
-    )
+    speed, sets = None if scene.motion is None else scene.motion.speed, dict[str, SetResult]()
+    rows: Sequence[SetOnShaft | None] = result.sets if isinstance(result, AxisResult) else [None]
+    for k, s in enumerate(rows):
+        name, turning = "" if s is None else s.of.name, life.turning_ring(scene, None if s is None else s.of)
+        parts, balls = (scene, result) if s is None else (s.of.parts, s.balls)
+        if isinstance(parts, RollerRow):
+            assert s is not None, "a row of rollers is on a shaft"
+            assert s.line_loads is not None, "a row of rollers has line loads"
+            found = results_of_roller_loads(parts, s.line_loads, s.force, scene.motion, scene.lubricant, turning, name)
+        else:
+            assert isinstance(parts, Scene)
+            assert isinstance(balls, StaticResult), "a set of balls has contacts"
+            thrust, force = "deep groove", np.zeros(3) if balls.equilibrium is None else balls.equilibrium.contact_force
+            if s is not None:
+                thrust, force = s.of.thrust, s.force
+            loaded = parts_under_loads(scene, parts) if isinstance(scene, Assembly) else scene
+            loads = balls.load, balls.contact_angle, result.member, balls.pressure
+            found = results_of_contact_loads(loaded, *loads, turning, speed, name)
+            torque = bearing_friction_torque(scene, parts, thrust, balls, force, found.worst)
+            found = replace(found, parts=parts, balls=balls, bearing_torque=torque)
+        if s is None:
+            assert isinstance(scene, Scene)
+            assert isinstance(result, StaticResult)
+            assert isinstance(bare, StaticResult)
+            preload = loading.preload_from_unloaded(scene, bare) if bare.converged else None
+            rigidities = _rigidities_by_formula(scene, axial_force(result), stiffness[k])
+            found = replace(found, nominal_contacts=count_nominal_contacts(scene, result), rigidities=rigidities)
+        else:
+            assert isinstance(bare, AxisResult)
+            preload = loading.preload_on_shaft(bare.sets[k]) if bare.converged else None
+            free = preload is not None and abs(preload.axial) <= FREE * preload.contacts * preload.mean
+            if isinstance(parts, Scene) and s.of.thrust != "deep groove" and free:
+                found = replace(found, rigidities=_rigidities_by_formula(parts, stiffness[k].force, stiffness[k]))
+        sets[name] = replace(found, on_shaft=s, nut=stiffness[k], preload=preload, lift_off=lift_off[k])
+    return sets
 
 
 def _rigidities_by_formula(parts: Scene, force: float, stiffness: NutStiffness) -> AxialRigidities | None:
@@ -563,59 +534,6 @@ def load_paths_by_body(
 #: Axial force on an unloaded nut or row, over the sum of its contact loads, up to which nothing on the shaft braces it: the
 #: formulas of rigidity know only the preload within a nut.
 FREE = 1e-6
-
-
-def _results_of_set(
-    assembly: Assembly,
-    s: SetOnShaft,
-    unloaded: SetOnShaft | None,
-    stiffness: NutStiffness,
-    lift_off: loading.LiftOff | None,
-    member: int,
-) -> SetResult:
-    """Compute pressure, safety, life, preload and friction torque of one nut or bearing row on a shaft.
-
-    Parameters
-    ----------
-    assembly
-        Shaft with several nuts or bearing rows.
-    s, unloaded
-        Solution of the row under the scene's loads, and without these loads; None if the unloaded shaft has no equilibrium.
-    stiffness
-        Displacement and stiffness of the row.
-    lift_off
-        Load at which its first preloaded contact opens.
-    member
-        Number of the random draw of the geometric errors, from 0.
-
-    Returns
-    -------
-    SetResult
-        The results.
-    """
-    parts, turning, preload = s.of.parts, life.turning_ring(assembly, s.of), None
-    if isinstance(parts, RollerRow):
-        assert s.line_loads is not None, "a row of rollers has line loads"
-        found = results_of_roller_loads(
-            parts, s.line_loads, s.force, assembly.motion, assembly.lubricant, turning, s.of.name
-        )
-    else:
-        assert s.balls is not None, "a set of balls has contacts"
-        speed = None if assembly.motion is None else assembly.motion.speed
-        loaded, load, angle = parts_under_loads(assembly, parts), s.balls.load, s.balls.contact_angle
-        found = results_of_contact_loads(loaded, load, angle, member, None, turning, speed, s.of.name)
-        torque = bearing_friction_torque(assembly, parts, s.of.thrust, s.balls, s.force, found.worst)
-        found = replace(found, parts=parts, bearing_torque=torque)
-    rigidities = None
-    if unloaded is not None:
-        loads = unloaded.loads[unloaded.loads > 0.0]
-        mean = mean_load(loads) if loads.size else 0.0
-        preload = loading.Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(unloaded.force[2]))
-        if isinstance(parts, Scene) and s.of.thrust != "deep groove" and abs(preload.axial) <= FREE * loads.sum():
-            rigidities = _rigidities_by_formula(parts, stiffness.force, stiffness)
-    return replace(
-        found, balls=s.balls, on_shaft=s, nut=stiffness, rigidities=rigidities, preload=preload, lift_off=lift_off
-    )
 
 
 def names_by_pressure(sets: Mapping[str, SetResult]) -> list[str]:

@@ -111,33 +111,34 @@ class AxisDrive:
         return "the load drives, the motor brakes" if self.running is not None and max(self.running) < 0.0 else None
 
 
-def with_friction_of_nuts(assembly: Assembly, sets: Mapping[str, SetResult], member: int) -> dict[str, SetResult]:
-    """Return the results of all nuts and bearings on a shaft, with the friction torques and efficiencies of every nut.
+def with_friction_of_nuts(scene: Scene | Assembly, sets: Mapping[str, SetResult], member: int) -> dict[str, SetResult]:
+    """Return the results of nuts and bearings with the friction torques of a scene's only row, or of all nuts on a shaft.
 
     Parameters
     ----------
-    assembly
-        Shaft with several nuts or bearing rows.
+    scene
+        Scene with one nut or bearing row, or with several on one shaft.
     sets
-        Results of each nut or bearing row, by name.
+        Results of each nut or bearing, by name.
     member
         Number of the random draw of the geometric errors, from 0.
 
     Returns
     -------
     dict
-        The results by name; of nuts with ``friction``, or ``friction_words`` with the reason why there is none.
+        The results with friction torques, or with words why there are none.
     """
     nuts = {
-        name: (replace(s.parts, friction=assembly.friction, motion=assembly.motion), s.balls)
+        name: (replace(s.parts, friction=scene.friction, motion=scene.motion), s.balls)
         for name, s in sets.items()
-        if isinstance(s.parts, Scene) and s.parts.track.lead and s.balls is not None
+        if isinstance(s.parts, Scene) and (s.parts.track.lead or isinstance(scene, Scene)) and s.balls is not None
     }
-    found: list[tuple[FrictionTorques | None, str]] = [(None, "no coefficient in [friction]")] * len(nuts)
-    if assembly.friction is not None:
+    why = "of friction given; rollbench friction takes 0.1" if isinstance(scene, Scene) else "in [friction]"
+    found: list[tuple[FrictionTorques | None, str]] = [(None, f"no coefficient {why}")] * len(nuts)
+    if scene.friction is not None:
         from rollbench.compare.models.friction_sums import friction_results_of_scenes  # heavy import
 
-        solved = [(parts, assembly.friction, balls) for parts, balls in nuts.values()]
+        solved = [(parts, scene.friction, balls) for parts, balls in nuts.values()]
         found = friction_results_of_scenes(solved, member)
     each = zip(nuts, found, strict=True)
     return {**sets, **{name: replace(sets[name], friction=x, friction_words=words) for name, (x, words) in each}}

@@ -16,6 +16,7 @@ from rollbench.compare.models.registry import run_model
 from rollbench.lowfi.rating.rigidity import approach_per_displacement, axial_force
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult, StaticSolution
+from rollbench.lowfi.statics.result import SetResult as SetOnShaft
 from rollbench.lowfi.statics.summary import resultant_about_origin
 from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
@@ -196,6 +197,13 @@ def preload_from_unloaded(scene: Scene, unloaded: StaticResult) -> Preload:
         return Preload(0.0, 0.0, 0, 0.0)
     mean = mean_load(loads, count_nominal_contacts(with_scaled_loads(scene, 0.0), unloaded))
     return Preload(mean, float(loads.max()), int(loads.size), axial_preload(scene, unloaded))
+
+
+def preload_on_shaft(unloaded: SetOnShaft) -> Preload:
+    """Return the preload of one of several nuts or bearings on a shaft from its solution without external loads."""
+    loads = unloaded.loads[unloaded.loads > 0.0]
+    mean = mean_load(loads) if loads.size else 0.0
+    return Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(unloaded.force[2]))
 
 
 def axial_preload(scene: Scene, unloaded: StaticResult) -> float:
@@ -409,15 +417,15 @@ def lost_preload_warnings(solutions: SolutionsByLoad[Any]) -> Iterator[ResultWar
 
 def axial_load(scene: Scene | Assembly) -> float:
     """Return the sum of the axial forces of all external loads on the shaft and its housings [N]."""
-    return sum(x.force[2] for x in _loaded_parts(scene))
+    return sum(x.force[2] for x in loaded_parts(scene))
 
 
 def has_loads(scene: Scene | Assembly) -> bool:
     """Return whether any force or moment acts on the shaft or a housing."""
-    return any(np.any(x.force) or np.any(x.moment) for x in _loaded_parts(scene))
+    return any(np.any(x.force) or np.any(x.moment) for x in loaded_parts(scene))
 
 
-def _loaded_parts(scene: Scene | Assembly) -> tuple[Load | Housing, ...]:
+def loaded_parts(scene: Scene | Assembly) -> tuple[Load | Housing, ...]:
     """Return the loads on the shaft, and the housings with their loads."""
     return (*scene.loads, *(scene.housings if isinstance(scene, Assembly) else ()))
 
@@ -533,7 +541,7 @@ def load_path(
         Loads, reactions and contact forces; None without loads.
     """
     on_shaft = sum_of_loads(scene.loads)
-    applied = on_shaft + sum_of_loads([x for x in _loaded_parts(scene) if isinstance(x, Housing)])
+    applied = on_shaft + sum_of_loads([x for x in loaded_parts(scene) if isinstance(x, Housing)])
     if not applied.any():
         return None
     shares = _support_shares(scene, result, unloaded)

@@ -693,17 +693,11 @@ def leave_one_out_errors(measured_errors: Sequence[MeasuredModelErrors], model: 
 Raised: TypeAlias = "tuple[Scene, StaticResult, Run]"
 
 
-@dataclass(frozen=True)
-class LoadedSectionState:
-    """Axial displacement of the screw's cross-section on which the axial load acts, and axial force on the nut."""
-
-    #: Axial displacement of the cross-section [m].
-    axial_displacement: float
-    #: Axial force of the screw on the nut [N].
-    axial_force: float
+#: Axial displacement [m] of the screw's cross-section on which the axial load acts, and axial force on the nut [N].
+State: TypeAlias = "tuple[float, float]"
 
 
-def state_of_loaded_section(scene: Scene, solution: ContactSolution) -> LoadedSectionState:
+def state_of_loaded_section(scene: Scene, solution: ContactSolution) -> State:
     """Return the axial displacement of the screw's cross-section under the axial load, and the axial force on the nut.
 
     The cross-section is where the largest axial load acts, or the nut's centre if the scene has no loads.
@@ -717,21 +711,35 @@ def state_of_loaded_section(scene: Scene, solution: ContactSolution) -> LoadedSe
 
     Returns
     -------
-    LoadedSectionState
+    tuple
         Axial displacement of this cross-section [m] and axial force on the nut [N].
     """
     place = max(scene.loads, key=lambda load: abs(load.force[2])).at if scene.loads else scene.nut.position
     moved = float(np.interp(place, solution.stations, solution.line[:, 2]))
-    return LoadedSectionState(moved, axial_contact_force(scene, solution.load, np.radians(solution.angle)))
+    return moved, axial_contact_force(scene, solution.load, np.radians(solution.angle))
 
 
-def axial_rigidity_between_states(first: LoadedSectionState, second: LoadedSectionState) -> float | None:
+def axial_rigidity_between_states(*states: State) -> float | None:
     """Return the axial rigidity [N/m] between two load states: change of force over change of displacement.
 
-    None if the displacement does not change.
+    None if the displacement does not change, or with a single state.
     """
-    step = second.axial_displacement - first.axial_displacement
-    return (second.axial_force - first.axial_force) / step if step != 0.0 else None
+    if len(states) < 2 or states[0][0] == states[1][0]:
+        return None
+    return (states[1][1] - states[0][1]) / (states[1][0] - states[0][0])
+
+
+def _axial_errors(by_model: Sequence[State], by_run: Sequence[State]) -> dict[str, float | None]:
+    """Return the errors [%] of displacement and tangent rigidity of a loaded section.
+
+    ``by_model``, ``by_run``: its states by the model and by the 3D reference, under the loads and, if they are to be
+    compared in rigidity, under increased loads.
+    """
+    stiff = (axial_rigidity_between_states(*states) for states in (by_model, by_run))
+    return {
+        "displacement_percent": error_percent_or_none(by_model[0][0], by_run[0][0]),
+        "rigidity_percent": error_percent_or_none(*stiff),
+    }
 
 
 def axial_contact_force(scene: Scene, load: Array, angle: Array) -> float:
@@ -777,14 +785,9 @@ def measure_model_error(
     error = load_error(result.load, run.load, count_nominal_contacts(scene) if contacts is None else contacts)
     from rollbench.compare.models.comparison import solution_from_result, solution_from_run
 
-    answer = state_of_loaded_section(scene, solution_from_result(result))
-    reference = state_of_loaded_section(scene, solution_from_run(run, ""))
-    stiff: tuple[float | None, float | None] = (None, None)
-    if increased_load_case is not None:
-        heavier, modelled, computed = increased_load_case
-        by_model = state_of_loaded_section(heavier, solution_from_result(modelled))
-        by_run = state_of_loaded_section(heavier, solution_from_run(computed, ""))
-        stiff = axial_rigidity_between_states(answer, by_model), axial_rigidity_between_states(reference, by_run)
+    cases = [(scene, result, run), *([] if increased_load_case is None else [increased_load_case])]
+    by_model = [state_of_loaded_section(one, solution_from_result(found)) for one, found, _ in cases]
+    by_run = [state_of_loaded_section(one, solution_from_run(computed, "")) for one, _, computed in cases]
     heaviest = run.load.max()
     return MeasuredModelErrors(
         name,
@@ -792,9 +795,8 @@ def measure_model_error(
         round(error.max_percent, 4),
         round(error.rms_percent, 4),
         {name: round(value, 4) for name, value in features_of_scene(scene, result).items()},
-        error_percent_or_none(answer.axial_displacement, reference.axial_displacement),
-        error_percent_or_none(*stiff),
-        error_percent_or_none(np.cbrt(result.load.max() / heaviest), 1.0) if heaviest > 0.0 else None,  # Hertz
+        **_axial_errors(by_model, by_run),
+        pressure_percent=error_percent_or_none(np.cbrt(result.load.max() / heaviest), 1.0) if heaviest > 0.0 else None,
         gate_percent=round(error.gate_percent, 4),
     )
 
@@ -809,16 +811,9 @@ def errors_of_shaft_section(
     """
     place = max(assembly.loads, key=lambda load: abs(load.force[2])).at
     forces = [sum(load.force[2] for load in one.loads) for one in (assembly, raised)]
-    lines = (
-        [(r.centreline_z, r.centreline[:, 2]) for r in results],
-        [(r.centreline[:, 0], r.centreline[:, 3]) for r in runs],
-    )
-    (by_model, by_run) = ([float(np.interp(place, *line)) for line in pair] for pair in lines)
-    stiff = [(forces[1] - forces[0]) / (u[1] - u[0]) if u[1] != u[0] else None for u in (by_model, by_run)]
-    return {
-        "displacement_percent": error_percent_or_none(by_model[0], by_run[0]),
-        "rigidity_percent": error_percent_or_none(*stiff),
-    }
+    by_model = [float(np.interp(place, r.centreline_z, r.centreline[:, 2])) for r in results]
+    by_run = [float(np.interp(place, r.centreline[:, 0], r.centreline[:, 3])) for r in runs]
+    return _axial_errors(*([*zip(moved, forces, strict=True)] for moved in (by_model, by_run)))
 
 
 def error_percent_or_none(value: float | None, reference: float | None) -> float | None:

@@ -13,7 +13,7 @@ from typing import Any, overload
 
 import numpy as np
 
-from rollbench.compare.models.loading import with_scaled_loads
+from rollbench.compare.models.loading import loaded_parts, with_scaled_loads
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.lowfi.rating import displacement
@@ -199,7 +199,7 @@ def stiffness_of_scene(
         If the model does not cover the scene.
     """
     point = load_point(scene)
-    changed: Callable[[Scene | Assembly, float], Scene | Assembly] = _with_scaled_loads
+    changed: Callable[[Any, float], Scene | Assembly] = with_scaled_loads
     base, step, unit = 1.0, change_of_loads(scene, unloaded), 0.0
     if point is None:  # probed by an axial force
         point, changed, base = LoadPoint(place_without_force(scene), (0.0, 0.0, 1.0), 0.0), with_axial_force, 0.0
@@ -260,11 +260,6 @@ def place_without_force(scene: Scene | Assembly) -> float | str:
     return location_of_reported_stiffness(scene)
 
 
-def _with_scaled_loads(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
-    """Return a copy of a scene with all loads multiplied by a factor."""
-    return with_scaled_loads(scene, factor)
-
-
 def with_axial_force(scene: Scene | Assembly, force: float) -> Scene | Assembly:
     """Return a copy of a scene with an axial force [N] more, at `place_without_force`."""
     at, push = place_without_force(scene), (0.0, 0.0, force)
@@ -287,8 +282,7 @@ def change_of_loads(scene: Scene | Assembly, unloaded: StaticResult | AxisResult
     """
     first = scene if isinstance(scene, Scene) else next((s.parts for s in scene.sets if isinstance(s.parts, Scene)), None)
     arm = 1.0 if first is None else first.track.pitch_radius
-    wrenches = [(x.force, x.moment) for x in scene.loads]
-    wrenches += [(h.force, h.moment) for h in scene.housings] if isinstance(scene, Assembly) else []
+    wrenches = [(x.force, x.moment) for x in loaded_parts(scene)]
     size = max((float(np.linalg.norm([*force, *np.divide(moment, arm)])) for force, moment in wrenches), default=0.0)
     held = max((float(balls.load.max(initial=0.0)) for balls in unloaded.ball_results()), default=0.0)
     return STEP * max(1.0, held / size if size > 0.0 and unloaded.converged else 0.0)
@@ -308,9 +302,7 @@ def _forces_and_displacements(
 
 def has_cross_loads(scene: Scene | Assembly) -> bool:
     """Return whether a scene has forces across its axis, or moments about a line across it."""
-    pairs = [(x.force, x.moment) for x in scene.loads]
-    pairs += [(h.force, h.moment) for h in scene.housings] if isinstance(scene, Assembly) else []
-    return any(np.any(vector[:2]) for pair in pairs for vector in pair)
+    return any(np.any(vector[:2]) for x in loaded_parts(scene) for vector in (x.force, x.moment))
 
 
 def _cross_motions(
@@ -345,66 +337,24 @@ def _holds(unloaded: StaticResult | AxisResult) -> bool:
     return unloaded.converged and (isinstance(unloaded, AxisResult) or bool((unloaded.load > 0.0).any()))
 
 
-def displacement_of_nuts(
-    scene: Scene | Assembly, result: StaticResult | AxisResult, unloaded: StaticResult | AxisResult
-) -> float | None:
-    """Return the axial displacement of the nuts together, or of the bearings without a nut [m]; None if it is not known.
-
-    ``result``: converged solution of the scene; ``unloaded``: solution without its loads, from which it is counted.
-    """
-    return _nuts_together(scene, result, _changes_from_rest(scene, result, unloaded)).displacement
-
-
 def is_axial(point: LoadPoint) -> bool:
     """Return whether displacement and force of a load's point are those along the axis."""
     return point.direction[2] == 1.0
 
 
-def secant_of_nuts(
-    scene: Scene | Assembly, result: StaticResult | AxisResult, unloaded: StaticResult | AxisResult
-) -> float | None:
-    """Return the secant of the nuts together, or of the bearings without a nut [N/m]; None if it does not exist.
+def nuts_between(
+    scene: Scene | Assembly, first: StaticResult | AxisResult, second: StaticResult | AxisResult
+) -> NutStiffness:
+    """Return displacement and stiffness of the nuts together, or of the bearings without a nut, between two solutions.
 
-    ``result``: converged solution of the scene; ``unloaded``: solution without its loads.
+    ``scene``: the scene of the second solution; ``first``: converged solution under other loads, or without loads. There is
+    no tangent where the scene's load acts across.
     """
-    return _stiffness_of_nuts(scene, result, _changes_from_rest(scene, result, unloaded))
-
-
-def tangent_of_nuts(
-    scene: Scene | Assembly, low: StaticResult | AxisResult, high: StaticResult | AxisResult
-) -> float | None:
-    """Return the tangent of the nuts together, or of the bearings without a nut, between two converged solutions [N/m].
-
-    ``low``, ``high``: solutions of the scene under loads that differ a little. None if there is no change.
-    """
-    point = LoadPoint(place_of_displacement(scene), (0.0, 0.0, 1.0), 0.0)
-    below, above = (_forces_and_displacements(scene, x, point) for x in (low, high))
-    return _stiffness_of_nuts(scene, low, above - below)
-
-
-def _stiffness_of_nuts(scene: Scene | Assembly, result: StaticResult | AxisResult, changes: Array) -> float | None:
-    """Return the stiffness of the nuts together [N/m] for changes of forces and displacements (n + 1, 2) of the scene.
-
-    ``result``: a solution of the scene, which names its nuts and bearings.
-    """
-    point = load_point(scene)
-    if point is not None and not is_axial(point):
-        return None
-    return _nuts_together(scene, result, changes).tangent
-
-
-def _changes_from_rest(
-    scene: Scene | Assembly, result: StaticResult | AxisResult, unloaded: StaticResult | AxisResult
-) -> Array:
-    """Return changes of forces and displacements (n + 1, 2) along the axis from the scene without its loads."""
-    point = LoadPoint(place_of_displacement(scene), (0.0, 0.0, 1.0), 0.0)
-    return _forces_and_displacements(scene, result, point) - _at_rest(scene, unloaded, point)
-
-
-def _nuts_together(scene: Scene | Assembly, result: StaticResult | AxisResult, changes: Array) -> NutStiffness:
-    """Return the nuts together, or the bearings without a nut, for changes of forces and displacements (n + 1, 2)."""
-    each = zip(_kinds(scene, result), changes, ratios(changes), strict=False)
-    return stiffness_together([NutStiffness(kind, float(f), float(u), ratio, ratio) for kind, (f, u), ratio in each])
+    point, own = LoadPoint(place_of_displacement(scene), (0.0, 0.0, 1.0), 0.0), load_point(scene)
+    changes = _forces_and_displacements(scene, second, point) - _at_rest(scene, first, point)
+    each = zip(_kinds(scene, second), changes, ratios(changes), strict=False)
+    found = stiffness_together([NutStiffness(kind, float(f), float(u), ratio, ratio) for kind, (f, u), ratio in each])
+    return found if own is None or is_axial(own) else replace(found, tangent=None)
 
 
 def _kinds(scene: Scene | Assembly, result: StaticResult | AxisResult) -> list[str]:

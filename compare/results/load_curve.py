@@ -15,7 +15,7 @@ from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.many import StoredIn, in_order, solve_many
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import default_model_name, run_model
-from rollbench.compare.models.stiffness import displacement_of_nuts, place_of_displacement, tangent_of_nuts
+from rollbench.compare.models.stiffness import nuts_between, place_of_displacement
 from rollbench.compare.quantities import quantity_value, record_as_json
 from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version, values_in_words
 from rollbench.lowfi.rating.displacement import motion_at
@@ -366,7 +366,7 @@ def compute_load_curve(
         ):
             return None, None
         moved = high.displacement - low.displacement
-        nut = tangent_of_nuts(low.scene, low.result, high.result)
+        nut = nuts_between(low.scene, low.result, high.result).tangent
         return 2.0 * step * unit / moved if moved and math.isfinite(moved) else None, nut
 
     def point_at_load(value: float, torque: float | None) -> CurvePoint:
@@ -379,7 +379,7 @@ def compute_load_curve(
             factor=value if course.factors else None,
             displacement=None if free or math.isnan(s.displacement) else s.displacement - start,
             stiffness=tangent,
-            nut_displacement=displacement_of_nuts(s.scene, s.result, bare.result) if known else None,
+            nut_displacement=nuts_between(s.scene, bare.result, s.result).displacement if known else None,
             nut_stiffness=nut_tangent,
             largest=None if math.isnan(s.largest_load) else s.largest_load,
             torque=torque,

@@ -78,7 +78,9 @@ def solve_with_results(
     stated = stiffness_of_scene(scene, result, bare, model, options)
     moved = motion_at(result, at) - answers.motion_of_unloaded_screw(bare, at)
     lift_off = loading.find_lift_off_loads(solutions)
-    sets = answers.results_of_sets(scene, result, bare, stated.sets, lift_off, options.member)
+    sets = answers.results_of_sets(scene, result, bare, stated.sets, lift_off)
+    if drives or isinstance(scene, Scene):
+        sets = with_friction_of_nuts(scene, sets, options.member)
     path = loading.load_path(scene, result, bare)
     warned = [
         w.with_part_name(name) if name else w
@@ -103,7 +105,6 @@ def solve_with_results(
         axial, expected = AxialResults(loading.axial_load(scene)), estimate_double_nut_error(scene, result)
         paths = answers.load_paths_by_body(scene, result, path)
         if drives:
-            sets = with_friction_of_nuts(scene, sets, options.member)
             speed = None if scene.motion is None else scene.motion.speed
             of_scene["drive"] = motor_torques_and_inertias(scene, sets)
             of_scene["axis_life"] = life_of_turning_sets(scene, sets.items(), speed)

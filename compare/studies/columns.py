@@ -22,7 +22,7 @@ from rollbench.compare.models.many import Record
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import run_model, run_model_on_scenes
 from rollbench.compare.models.set_results import LifeByLoads
-from rollbench.compare.models.stiffness import SceneStiffness, secant_of_nuts, stiffness_of_scene
+from rollbench.compare.models.stiffness import SceneStiffness, nuts_between, stiffness_of_scene
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.lowfi.rating.contacts import roller_contact_of_highest_pressure
 from rollbench.lowfi.rating.displacement import displacement_of_load_point, load_point
@@ -125,7 +125,7 @@ def _displacement(solved: SolvedScene) -> float | None:
 
 def _rigidity(solved: SolvedScene) -> float | None:
     """Return the axial secant of the nuts from the unloaded position [N/um], or of the bearings where there is no nut."""
-    secant = secant_of_nuts(solved.scene, solved.result, solved.unloaded)
+    secant = nuts_between(solved.scene, solved.unloaded, solved.result).tangent
     return None if secant is None else 1e-6 * secant
 
 

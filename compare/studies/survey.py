@@ -544,7 +544,7 @@ def compare_models_with_reference(scene: Scene, raised: Scene, runs: Sequence[Ru
         "mean_N": round(mean, 4),
         "spread": round(float(run.load[run.load > 0.0].std()) / mean, 4),
         "preload_over_load": round(float(second / first), 4),
-        "displacement_um": round(1e6 * places[0].axial_displacement, 5),
+        "displacement_um": round(1e6 * places[0][0], 5),
         "rigidity_N_per_um": _round_or_none(model_form.axial_rigidity_between_states(*places), 1e-6),
         "models": {
             name: _record_of_model_errors(scene, answers[name][0], run, p) | seconds[name] for name, p in points.items()
