@@ -315,7 +315,11 @@ def check_scenes(
         if request.values is None or request.loads is not None:
             out += [v for one in each for v in _load_verdicts(one, given, limits, request)]
             judged = model_title(request.model or DEFAULT) if request.loads is None else request.loads.name
-            out += [] if each else [_not_covered_verdict(scene, judged, LARGEST, limits.largest_load_error, reason)]
+            out += (
+                []
+                if each
+                else [verdict.verdict_not_covered(judged, LARGEST, limits.largest_load_error, reason, scene.name)]
+            )
         for value in given.values:
             beside = each
             if value.axial_load is not None:
@@ -339,8 +343,7 @@ def _load_verdicts(
     given, judged = files.loads[one.index], request.loads.name
     detail = "; ".join(filter(None, _explanations_on_user_loads(given, one.reference, limits)))
     verdicts = verdict.judge_contact_loads(judged, given.load, one.reference, limits, given.flanks_with_rows, detail)
-    values = verdict.JudgedContactValues(given.load, given.further_quantities, given.flanks_with_rows)
-    further = verdict.judge_contact_quantities(judged, values, one.scene, one.reference, limits)
+    further = verdict.judge_contact_quantities(judged, given, one.scene, one.reference, limits)
     ours = stored_reference_of_nut_or_bearing(one, request.stores) if one.reference.stated else None
     if ours is not None:
         other = verdict.judge_contact_loads("", given.load, ours, limits, given.flanks_with_rows)[0]
@@ -375,7 +378,7 @@ def _verdict_on_user_value(
     judged = request.values.name
     if one is None or (one.assembly is not None and value.quantity is not LIFE):
         reason = reason if one is None else "with several nuts or bearings on one shaft, only the life of each is judged"
-        return _not_covered_verdict(scene, judged, value.name, limits.limit_of(value.quantity), reason)
+        return verdict.verdict_not_covered(judged, value.name, limits.limit_of(value.quantity), reason, scene.name)
     found = verdict.judge_value(judged, value, one.scene, one.reference, limits)
     return _add_scene_and_set_names([found], one)[0]
 
@@ -383,14 +386,6 @@ def _verdict_on_user_value(
 def _accepted_names(assembly: Assembly, k: int) -> tuple[str, str]:
     """Return the two texts by which users' files may name the nut or bearing ``k`` (from 0): number from 1, and name."""
     return str(k + 1), assembly.sets[k].name
-
-
-def _not_covered_verdict(scene: Solvable, judged: str, quantity: str, limit: float, why: str) -> VerdictRow:
-    """Return the verdict "not covered" on a quantity of a scene that has no reference.
-
-    ``judged``: name of the model or file; ``limit``: error limit of the quantity; ``why``: the reason.
-    """
-    return VerdictRow(scene.name, judged, quantity, Judgement.NOT_COVERED, None, None, limit, detail=why)
 
 
 def _read_files(scene: Solvable, request: GateRequest, warn: Callable[[str], None], case: str | None) -> UserFiles:

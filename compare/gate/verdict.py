@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from rollbench.compare.gate import judged as gate_judged
 from rollbench.compare.measure import SMALL, LoadError, error_percent, load_error, mask_of_loaded_contacts, mean_load
 from rollbench.compare.models.comparison import RULE, ContactError, ContactSolution, contact_load_errors
+from rollbench.compare.models.loads_file import ContactLoadsFromFile
 from rollbench.compare.quantities import json_number, words_and_unit_of_key
 from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
@@ -288,17 +289,16 @@ def decisive_contact(points: Sequence[ContactError], limit: float) -> tuple[Judg
     return worst, max(gravest, key=lambda p: abs(p.error) + sign * float(np.nan_to_num(p.uncertainty)))
 
 
-def verdict_without_reference(
-    reference: Reference, judged: str, quantity: str, limit: float, why: str, unit: str = "%"
+def verdict_not_covered(
+    judged: str, quantity: str, limit: float, why: str, scene: str, levels: tuple[int, ...] = (), unit: str = "%"
 ) -> VerdictRow:
-    """Return the verdict "not covered", for a quantity of which the reference has no value.
+    """Return the verdict on a quantity that has no value in the reference, or whose scene has no reference.
 
-    ``judged``: name of the model or file; ``limit``: error limit in ``unit``; ``why``: the reason.
+    ``judged``: name of the model or of the file; ``limit``: error limit [unit]; ``why``: the reason; ``scene``: name of the
+    scene; ``levels``: mesh levels of the reference.
     """
     word = Judgement.NOT_COVERED
-    return VerdictRow(
-        reference.scene, judged, quantity, word, None, None, limit, levels=reference.levels, detail=why, unit=unit
-    )
+    return VerdictRow(scene, judged, quantity, word, None, None, limit, levels=levels, detail=why, unit=unit)
 
 
 def judge_contact_loads(
@@ -333,7 +333,7 @@ def judge_contact_loads(
     points = [p for p in contact_load_errors(reference, load) if p.side in flanks]
     if not points:
         why = f"the reference has no contact load on the flanks {', '.join(flanks)}"
-        return [verdict_without_reference(reference, judged, LARGEST, limit, why)]
+        return [verdict_not_covered(judged, LARGEST, limit, why, name, reference.levels)]
     reached = mask_of_loaded_contacts(reference.load)
     contacts = round(reference.contacts * np.count_nonzero(reached[:, chosen]) / np.count_nonzero(reached))
     of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, reference.load, 0.0), contacts)
@@ -421,18 +421,7 @@ def _largest_error_percent(given: Array, right: Array, mean: float) -> float:
 BY_HERTZ = "reference value computed by Hertz theory from its contact loads and the radii of each contact"
 
 
-class JudgedContactValues(NamedTuple):
-    """Values of every contact that are to be judged: loads and other contact quantities."""
-
-    #: Contact loads, (n, 4) [N].
-    load: Array
-    #: Other contact quantities (n, 4) in SI units, by the columns of `OF_CONTACTS`; nan: not stated.
-    other_quantities: Mapping[str, Array]
-    #: Flanks with values.
-    flanks: Sequence[str] = SIDES
-
-
-def contact_values_by_model(scene: Scene, answer: ContactSolution, limits: Mapping[str, float]) -> JudgedContactValues:
+def contact_values_by_model(scene: Scene, answer: ContactSolution, limits: Mapping[str, float]) -> ContactLoadsFromFile:
     """Return a model's contact loads, and those of its contact angles, approaches and pressures that have an error limit.
 
     ``answer``: results of the model; ``limits``: error limits by name of the quantity.
@@ -442,7 +431,7 @@ def contact_values_by_model(scene: Scene, answer: ContactSolution, limits: Mappi
         if q.name in limits:
             given = of_model.get(name)
             further[name] = gate_judged.hertz_approach_or_pressure(scene, q, answer.load) if given is None else given
-    return JudgedContactValues(answer.load, further)
+    return ContactLoadsFromFile(answer.load, SIDES, further_quantities=further)
 
 
 def screw_values_by_model(
@@ -458,7 +447,7 @@ def screw_values_by_model(
 
 
 def judge_contact_quantities(
-    judged: str, given: JudgedContactValues, scene: Scene, ref: Reference, limits: ErrorLimits
+    judged: str, given: ContactLoadsFromFile, scene: Scene, ref: Reference, limits: ErrorLimits
 ) -> list[VerdictRow]:
     """Judge contact angles, approaches and pressures against the reference, each by the contact with the worst error.
 
@@ -466,12 +455,12 @@ def judge_contact_quantities(
     are not stated, and angles that the reference does not have, are left out.
     """
     without = {"angle"} if not np.isfinite(ref.best.angle).any() else set()
-    names = [name for name in gate_judged.OF_CONTACTS if name in given.other_quantities.keys() - without]
+    names = [name for name in gate_judged.OF_CONTACTS if name in given.further_quantities.keys() - without]
     return [_judge_contact_quantity(judged, given, name, scene, ref, limits) for name in names]
 
 
 def _judge_contact_quantity(
-    judged: str, given: JudgedContactValues, name: str, scene: Scene, ref: Reference, limits: ErrorLimits
+    judged: str, given: ContactLoadsFromFile, name: str, scene: Scene, ref: Reference, limits: ErrorLimits
 ) -> VerdictRow:
     """Judge one contact quantity (angle, approach or pressure) by the contact with the worst error.
 
@@ -480,10 +469,10 @@ def _judge_contact_quantity(
     contact; for contacts with less than a tenth of the mean load, in per cent of the value at the mean load. Errors of
     angles are in degrees, on contacts that bear load both in the reference and in the judged values.
     """
-    q, value = gate_judged.OF_CONTACTS[name], given.other_quantities[name]
+    q, value = gate_judged.OF_CONTACTS[name], given.further_quantities[name]
     limit, unit, notes = limits.limit_of(q), "deg" if q is gate_judged.ANGLE else "%", [reference_notes(ref)]
     reference, bars = gate_judged.contact_quantity_of_reference(scene, ref, q)
-    chosen = np.array([side in given.flanks for side in SIDES])
+    chosen = np.array([side in given.flanks_with_rows for side in SIDES])
     if q is gate_judged.ANGLE:
         judge = mask_of_loaded_contacts(ref.load) & mask_of_loaded_contacts(given.load) & chosen & np.isfinite(reference)
         errors, shares = np.degrees(value - reference), np.degrees(bars)
@@ -494,8 +483,8 @@ def _judge_contact_quantity(
         scale = np.where(ref.load >= SMALL * ref.mean, reference, mean)
         errors, shares = error_percent(value, reference, scale), error_percent(bars, 0.0, scale)
     if not judge.any():
-        why = f"no contact of the flanks {', '.join(given.flanks)} is loaded"
-        return verdict_without_reference(ref, judged, q.name, limit, why, unit)
+        why = f"no contact of the flanks {', '.join(given.flanks_with_rows)} is loaded"
+        return verdict_not_covered(judged, q.name, limit, why, ref.scene, ref.levels, unit)
     points = [
         ContactError(float(errors[i, s]), float(shares[i, s]), int(i) + 1, SIDES[s])
         for i, s in zip(*np.nonzero(judge), strict=True)
@@ -522,7 +511,7 @@ def judge_value(judged: str, given: gate_judged.UserValue, scene: Scene, ref: Re
     reference, bar = whole.reference_value_and_uncertainty(q, ref, given.station)
     if not reference:
         why = f"no {q.name}: {whole.reason_without_value(q, ref)}"
-        return verdict_without_reference(ref, judged, given.name, limit, why)
+        return verdict_not_covered(judged, given.name, limit, why, ref.scene, ref.levels)
     error = float(error_percent(given.value, reference))
     share = None if bar is None else float(error_percent(bar, 0.0, reference))
     detail = "; ".join(filter(None, (whole.computation_note(q, given.station), reference_notes(ref))))

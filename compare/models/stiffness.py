@@ -153,6 +153,38 @@ class ShaftPointStiffness(LoadPointStiffness):
         return None if self.tangent is None else 1e6 * (2.0 * LOST_BY / self.tangent)
 
 
+@result_record(kw_only=True)
+class NutAndLoadPoint:
+    """Tangents and displacements of the nut and of the load's point, in tables that compare scenes with one another.
+
+    Where scenes stand side by side, those of nuts are null beside bearings, and those of loads along z beside loads across.
+    """
+
+    nut_tangent: float | None = quantity_field(
+        "nut_tangent_N_per_um",
+        "`nut.tangent_N_per_um`, without the shaft: of the nuts, or of the bearings without a nut",
+        heading="nut: axial rigidity, tangent",
+        default=None,
+    )
+    load_point_tangent: float | None = quantity_field(
+        "load_point_tangent_N_per_um",
+        "`load_point.tangent_N_per_um`, to ground",
+        error="that of the rigidity, along z",
+        heading="load's point: rigidity, tangent",
+        default=None,
+    )
+    nut_displacement: float | None = quantity_field(
+        "nut_displacement_um", "`nut.displacement_um`", heading="nut: axial displacement", default=None
+    )
+    load_point_displacement: float | None = quantity_field(
+        "load_point_displacement_um",
+        "`load_point.displacement_um`",
+        error="that of the displacement, along z",
+        heading="load's point: displacement",
+        default=None,
+    )
+
+
 @dataclass(frozen=True)
 class SceneStiffness:
     """Stiffness of a solved scene at all its points."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.measure import error_percent
+from rollbench.compare.models.stiffness import NutAndLoadPoint
 from rollbench.compare.quantities import Quantity, json_number, quantities_of_record, record_as_json
 from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version, values_in_words
 from rollbench.compare.results.solved import Result
@@ -33,7 +34,7 @@ SHARED = {
 
 
 @result_record(kw_only=True)
-class Alternative:
+class Alternative(NutAndLoadPoint):
     """Results of one of several scenes that are compared side by side.
 
     A field is None if there is no equilibrium, or if the scene does not state the data that the quantity needs.
@@ -42,33 +43,12 @@ class Alternative:
     scene: str = quantity_field("scene")
     """Name of the scene."""
     status: str = quantity_field("status", "converged, or the reason why there is no equilibrium")
-    nut_tangent: float | None = quantity_field(
-        "nut_tangent_N_per_um",
-        "`nut.tangent_N_per_um`, without the shaft: of the nuts, or of the bearings without a nut; null where nuts and "
-        "bearings stand side by side",
-        heading="nut: axial rigidity, tangent",
-    )
-    load_point_tangent: float | None = quantity_field(
-        "load_point_tangent_N_per_um",
-        "`load_point.tangent_N_per_um`, to ground; null where loads along z and across stand side by side",
-        error="that of the rigidity, along z",
-        heading="load's point: rigidity, tangent",
-    )
     radial_stiffness: float | None = quantity_field(
         "radial_stiffness_N_per_um",
         "smallest radial tangent stiffness of all directions, with all other degrees of freedom fixed: of a single nut or "
         "bearing at its centre without its shaft, of several with their shaft at the position that the scene states; null "
         "where scenes of both kinds stand side by side",
         heading="radial rigidity",
-    )
-    nut_displacement: float | None = quantity_field(
-        "nut_displacement_um", "`nut.displacement_um`", heading="nut: axial displacement"
-    )
-    load_point_displacement: float | None = quantity_field(
-        "load_point_displacement_um",
-        "`load_point.displacement_um`",
-        error="that of the displacement, along z",
-        heading="load's point: displacement",
     )
     largest: float | None = quantity_field(
         "largest_load_N",

@@ -9,6 +9,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from rollbench.compare.models.stiffness import NutAndLoadPoint
 from rollbench.compare.quantities import name_and_unit_of_key, quantities_of_record, record_as_json
 from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version, single_values, values_in_words
 from rollbench.meshes.arrays import Array, RecordWithArrays
@@ -46,7 +47,7 @@ ERROR_OF = {
 
 
 @result_record
-class TableRow(RecordWithArrays):
+class TableRow(NutAndLoadPoint, RecordWithArrays):
     """Stiffness and other results for one combination of parameter values, in SI units; expected errors are in per cent.
 
     A field is None if the user did not ask for it, or if there is no equilibrium.
@@ -60,29 +61,6 @@ class TableRow(RecordWithArrays):
         "`stiffness_of` names, at the axial position `station_mm`, or if that is null at the centre of the nut or bearing; "
         "for a whole shaft, at the position that the scene states",
         parts="[][]",
-        default=None,
-    )
-    nut_tangent: float | None = quantity_field(
-        "nut_tangent_N_per_um",
-        "`nut.tangent_N_per_um`, without the shaft",
-        heading="nut: axial rigidity, tangent",
-        default=None,
-    )
-    load_point_tangent: float | None = quantity_field(
-        "load_point_tangent_N_per_um",
-        "`load_point.tangent_N_per_um`, to ground",
-        error="`expected_error_percent.rigidity`",
-        heading="load's point: rigidity, tangent",
-        default=None,
-    )
-    nut_displacement: float | None = quantity_field(
-        "nut_displacement_um", "`nut.displacement_um`", heading="nut: axial displacement", default=None
-    )
-    load_point_displacement: float | None = quantity_field(
-        "load_point_displacement_um",
-        "`load_point.displacement_um`",
-        error="`expected_error_percent.displacement`",
-        heading="load's point: displacement",
         default=None,
     )
     load: float | None = quantity_field(
