@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from rollbench.compare import running
-from rollbench.compare.commands.terminal import Flag, Json, Word, app, cache_folder
+from rollbench.compare.commands.terminal import Flag, Json, Word, app, cache_folder, refuse_given_arguments
 from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
 from rollbench.compare.text.printing import CommandOutput, TextTable, format_cell, print_command_output
 
@@ -91,35 +91,27 @@ def export(
     """
     from rollbench.compare.scenes import catalogue, scene_file
 
-    meshing = bool(part) or level != 1 or ball is not None
+    of_meshes, advice = {"part": part, "level": level if level != 1 else None, "ball": ball}, "leave it out"
     if ross is not None or modelica is not None:
-        if meshing or format or out is not None or deck:
-            given = "one of these options together with a part or with an option for meshes or decks"
-            allowed = (
-                "`ross` and `modelica` without a part, `format`, `out`, `level`, `ball` and `deck`: they convert a whole "
-                "table and write no mesh"
-            )
-            raise ArgumentError("ross, modelica", given, allowed, "leave out the part and these options")
+        given = {**of_meshes, "format": format, "out": out, "deck": deck}
+        refuse_given_arguments(given, "only without `ross` and `modelica`, which convert a whole table", advice)
         return print_command_output(write_stiffness_tables(scene, ross, modelica))
 
     if deck:
-        if meshing or format:
-            given = f"{deck} together with a part or with an option for meshes"
-            allowed = "`deck` without a part, `format`, `level` and `ball`: the deck contains the whole scene"
-            raise ArgumentError("deck", given, allowed, "leave out the part and these options")
+        given = {**of_meshes, "format": format}
+        refuse_given_arguments(given, "only without `deck`, which contains the whole scene", advice)
         running.check_packages("scikit-fem")
         from rollbench.compare.studies.export import write_calculix_deck
 
         line = write_calculix_deck(deck, unit, balls, b_over_h, growth, stiffness, catalogue.scene(scene), out)
         return print_command_output(CommandOutput(texts_and_tables=[line]))
-    if (unit, balls, b_over_h, growth, stiffness) != ("mm", "", 1.5, 0.4, 2e8):
-        given = "one of these options without --deck"
-        raise ArgumentError("unit, balls, b_over_h, growth, stiffness", given, "only with --deck", "add --deck ccx")
+    usual = {"unit": (unit, "mm"), "balls": (balls, ""), "b_over_h": (b_over_h, 1.5), "growth": (growth, 0.4)}
+    usual["stiffness"] = stiffness, 2e8
+    unused = {name: value for name, (value, default) in usual.items() if value != default}
+    refuse_given_arguments(unused, "only with `deck`", "add --deck ccx")
     form = format or ("" if out is None else out.suffix.removeprefix("."))
-    if form in ("json", "step") and meshing:
-        allowed = f"{form} without a part, `level` and `ball`: this format describes the whole scene and has no mesh"
-        given = f"{form} together with a part or with an option for meshes"
-        raise ArgumentError("format", given, allowed, "leave out the part and these options")
+    if form in ("json", "step"):
+        refuse_given_arguments(of_meshes, f"only without the format {form}, which describes the whole scene", advice)
     if form == "json":
         return print_command_output(write_scene_json(catalogue.scene(scene), out))
     if form == "step":

@@ -321,17 +321,14 @@ def solve(
         refuse_given_arguments(alone, "only for one scene", advice, f"this option for {len(scenes)} scenes")
         return print_command_output(solve_side_by_side(scenes, given), as_json)
     (scene,) = scenes
-    files = (given.matrix, given.loads_csv, given.plot)
     if given.members is not None:
-        if given.stiffness_at or given.strict or given.curve or any(file is not None for file in files):
-            named = "stiffness_at, matrix, curve, loads_csv, plot, strict"
-            advice = "leave them out, or solve a single specimen (random draw of the geometric errors) by `member=K`"
-            raise ArgumentError(named, "one of these options with --members", "only without --members", advice)
+        advice = "leave it out, or solve a single specimen (random draw of the geometric errors) by `member=K`"
+        names = ("stiffness_at", "matrix", "curve", "loads_csv", "plot", "strict")
+        refuse_given_arguments({name: getattr(given, name) for name in names}, "only without `members`", advice)
         return print_command_output(solve_specimens(scene, given.members, given), as_json)
-    if given.seed is not None or given.workers is not None or (given.csv is not None and not given.curve):
-        value = "one of these options without --members"
-        advice = "add --members N, the number of random draws of the geometric errors"
-        raise ArgumentError("csv, seed, workers", value, "only with --members", advice)
+    unused = {"csv": None if given.curve else given.csv, "seed": given.seed, "workers": given.workers}
+    advice = "add --members N, the number of random draws of the geometric errors"
+    refuse_given_arguments(unused, "only with `members`", advice)
     return print_command_output(solve_load_curve(scene, given) if given.curve else solve_and_report(scene, given), as_json)
 
 
@@ -371,10 +368,8 @@ def solve_load_curve(name: str, solve_options: SolveOptions) -> CommandOutput:
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.text.solved import load_curve_parts
 
-    files = (solve_options.matrix, solve_options.loads_csv, solve_options.plot)
-    if solve_options.stiffness_at or solve_options.balls or any(file is not None for file in files):
-        refused, given = "stiffness_at, matrix, loads_csv, plot, balls", "one of these options with --curve"
-        raise ArgumentError(refused, given, "only without --curve", "leave them out: they are for a single load")
+    names, advice = ("stiffness_at", "matrix", "loads_csv", "plot", "balls"), "leave it out: it is for a single load"
+    refuse_given_arguments({name: getattr(solve_options, name) for name in names}, "only without `curve`", advice)
     model, _ = _check_options(solve_options)
     if (csv_out := solve_options.csv) is not None:
         from rollbench.compare.files import check_writable

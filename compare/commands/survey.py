@@ -14,7 +14,14 @@ from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.commands.terminal import Json, Names, ProgramOptions, app, model_or_program_name
+from rollbench.compare.commands.terminal import (
+    Json,
+    Names,
+    ProgramOptions,
+    app,
+    model_or_program_name,
+    refuse_given_arguments,
+)
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.running import show_progress_message
 from rollbench.compare.text.printing import CommandOutput, TextTable, format_cell, print_command_output, table_of_records
@@ -272,8 +279,6 @@ def stability(
     if survey is not None:
         found = solve_drawn_screws(survey, out or Path("rollbench-survey"), workers or 1, keep, kind or "ball screw")
         return print_command_output(found, as_json)
-    if (kind, out, workers, keep) != (None, None, None, None):
-        given = "one of these options without --survey"
-        advice = "add --survey COUNT, the number of randomly drawn screws to solve"
-        raise ArgumentError("kind, out, workers, keep", given, "only with --survey", advice)
+    given, advice = {"kind": kind, "out": out, "workers": workers, "keep": keep}, "add --survey COUNT, the number of screws"
+    refuse_given_arguments(given, "only with `survey`", advice)
     return print_command_output(solve_extreme_scenes(), as_json)
