@@ -20,7 +20,6 @@ from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle, FrictionScene
 from rollbench.compare.scenes.scene_file import scene_or_shaft_or_raise, scenes_to_solve
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.parts import Scene
 from rollbench.meshes.processes import limited_to_one_thread
 
 if TYPE_CHECKING:
@@ -227,7 +226,14 @@ def solve_scene_record(
 
 @limited_to_one_thread()
 def load_curve(
-    scene: Described | str | Path, loads: str, model: str = "", *, member: int = 0, store: str | Path | None = None
+    scene: Described | str | Path,
+    loads: str,
+    model: str = "",
+    *,
+    member: int = 0,
+    everything: bool = False,
+    condensed: str | Path | None = None,
+    store: str | Path | None = None,
 ) -> LoadCurve:
     """Solve a scene under a range of loads: displacement and stiffness as functions of the load, and the backlash.
 
@@ -243,8 +249,8 @@ def load_curve(
         axial position or the housing on which the force acts (``300mm``): ``"-3kN:3kN:41:x"``.
     model
         Name of the model, as for `solve`.
-    member
-        Number of the specimen, as for `solve`.
+    member, everything, condensed
+        Number of the specimen, terms of the model and file of condensed bodies, as for `solve`.
     store
         Folder in which every group of points is stored once solved; stored ones are not solved again. None: none.
 
@@ -266,55 +272,17 @@ def load_curve(
     >>> [round(1e6 * point.displacement, 1) for point in curve.points]
     [-22.4, -12.9, 0.0, 12.9, 22.3]
     """
-    from rollbench.compare.models.model import ModelOptions
-
-    origin = str(scene) if isinstance(scene, (str, Path)) else ""
-    return load_curve_of_scene_record(_scene_record(scene), loads, model, ModelOptions(member=member), origin, store)
-
-
-def load_curve_of_scene_record(
-    described: Described,
-    loads: str,
-    model: str,
-    options: ModelOptions,
-    name_for_messages: str = "",
-    store: str | Path | None = None,
-) -> LoadCurve:
-    """Compute displacement and stiffness over a range of loads for a scene that has already been read; see `load_curve`.
-
-    Parameters
-    ----------
-    described
-        The scene; of several load cases only the first is solved.
-    loads
-        Range of loads as text, such as ``"-3000N:3000N"``, in the form that `load_curve` describes.
-    model
-        Name of the model; if empty, the default model of the scene.
-    options
-        Options of the model.
-    name_for_messages
-        File or name by which error messages refer to the scene; if empty, the name of the scene.
-    store
-        Folder of solved points, as for `load_curve`.
-
-    Returns
-    -------
-    LoadCurve
-        A point for each load.
-
-    Raises
-    ------
-    rollbench.InputError
-        If the text of ``loads`` is no valid range, or if the model does not cover the scene.
-    """
     from rollbench.compare.models.many import stored_in
+    from rollbench.compare.models.model import ModelOptions
     from rollbench.compare.results.load_curve import compute_load_curve, read_load_range
 
-    course = read_load_range(loads)
-    scene: Scene | Assembly = scenes_to_solve(described, name_for_messages or described.name)[0]
-    with show_file_in_scene_errors(scene.name, name_for_messages or scene.name):
-        stored = stored_in(store, "load curve", model, scene, course, *options.inputs)
-        return compute_load_curve(scene, course, model, options, stored)
+    course, described = read_load_range(loads), _scene_record(scene)
+    name = _scene_name_for_messages(scene, described)
+    options = ModelOptions(everything, member, condensed_bodies_file=None if condensed is None else Path(condensed))
+    solved = scenes_to_solve(described, name)[0]
+    with show_file_in_scene_errors(solved.name, name):
+        stored = stored_in(store, "load curve", model, solved, course, *options.inputs)
+        return compute_load_curve(solved, course, model or ("" if condensed is None else "condensed"), options, stored)
 
 
 @limited_to_one_thread()

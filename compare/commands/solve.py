@@ -362,10 +362,8 @@ def solve_load_curve(name: str, solve_options: SolveOptions) -> CommandOutput:
 
     Of several load cases only the first is solved. Raises InputError if the range or an option cannot be used.
     """
-    from rollbench.compare.api.calls import load_curve_of_scene_record
-    from rollbench.compare.models.model import ModelOptions
+    from rollbench.compare.api.calls import load_curve
     from rollbench.compare.running import checked_time_limit, watch_running_time
-    from rollbench.compare.scenes import catalogue
     from rollbench.compare.text.solved import load_curve_parts
 
     names, advice = ("stiffness_at", "matrix", "loads_csv", "plot", "balls"), "leave it out: it is for a single load"
@@ -375,10 +373,10 @@ def solve_load_curve(name: str, solve_options: SolveOptions) -> CommandOutput:
         from rollbench.compare.files import check_writable
 
         check_writable(csv_out)
-    options = ModelOptions(solve_options.everything, solve_options.member, condensed_bodies_file=solve_options.condensed)
+    how: dict[str, Any] = {"member": solve_options.member, "everything": solve_options.everything}
+    how |= {"condensed": solve_options.condensed, "store": solve_options.store}
     with watch_running_time(f"{name}, load curve", checked_time_limit(solve_options.time_limit)):
-        described, store = catalogue.scene_of_any_kind(name), solve_options.store
-        found = load_curve_of_scene_record(described, solve_options.curve, model, options, name, store)
+        found = load_curve(name, solve_options.curve, model, **how)
     lines = load_curve_parts(found, details=solve_options.verbose)
     if csv_out is not None:
         lines += write_load_curve(csv_out, found)

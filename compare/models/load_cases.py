@@ -15,7 +15,7 @@ from rollbench.compare.models.model_form import ExpectedError
 from rollbench.compare.models.set_results import LifeByLoads, SetResult
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.lowfi.bearings.axis import acceleration_torque, reflected_inertia, screw_inertia
-from rollbench.lowfi.bearings.torque import Band, roller_bearing_torque
+from rollbench.lowfi.bearings.torque import Band
 from rollbench.lowfi.rating import iso_lives, roller_life
 from rollbench.lowfi.rating import life as rating_life
 from rollbench.lowfi.rating.iso_lives import ModifiedLife, modified_life
@@ -166,7 +166,7 @@ def motor_torques_and_inertias(assembly: Assembly, sets: Mapping[str, SetResult]
         return None
     sign = -1.0 if motion is not None and motion.speed < 0.0 else 1.0
     turning = [row for row in assembly.sets if row.carrier is None]
-    torques = tuple(replace(_torque_on_shaft(assembly, sets[row.name], sign), seals=row.seals) for row in turning)
+    torques = tuple(replace(_torque_on_shaft(sets[row.name], sign), seals=row.seals) for row in turning)
     seals, lead = sum(row.seals for row in turning), lead_of_first_nut(assembly)
 
     def total(torques: list[Band | None]) -> Band | None:
@@ -199,7 +199,7 @@ def lead_of_first_nut(assembly: Assembly) -> float:
     return next((s.parts.track.lead for s in assembly.sets if isinstance(s.parts, Scene) and s.parts.track.lead), 0.0)
 
 
-def _torque_on_shaft(assembly: Assembly, one: SetResult, sign: float) -> ShaftTorque:
+def _torque_on_shaft(one: SetResult, sign: float) -> ShaftTorque:
     """Return the torque with which the turning shaft drives a nut, or the friction torque of a bearing.
 
     The torque of a bearing is that while it runs and when it starts from rest, zero without load. ``one``: results of the
@@ -212,15 +212,11 @@ def _torque_on_shaft(assembly: Assembly, one: SetResult, sign: float) -> ShaftTo
         torque = sign * one.friction.driving_torque_on_screw
         return ShaftTorque(one.name, (torque, torque), (torque, torque))
     ends: tuple[Band | None, Band | None] = (0.0, 0.0), (0.0, 0.0)
-    lines = None if one.on_shaft is None else one.on_shaft.line_loads
     if one.bearing_torque is not None:
         ends = one.bearing_torque.running, one.bearing_torque.starting
-    elif isinstance(one.parts, RollerRow) and lines is not None:
-        speed = None if assembly.motion is None else assembly.motion.speed
-        row = roller_bearing_torque(one.parts, lines, speed, assembly.lubricant)
-        if row is not None:
-            low, high = (row.torque if x is None else x for x in (row.low, row.high))
-            ends = None if row.film is None else (low, high), (low - (row.film or 0.0), high - (row.film or 0.0))
+    elif (row := one.torque) is not None:
+        low, high = (row.torque if x is None else x for x in (row.low, row.high))
+        ends = None if row.film is None else (low, high), (low - (row.film or 0.0), high - (row.film or 0.0))
     return ShaftTorque(one.name, *ends, words="" if ends[0] is not None else NOT_RUNNING)
 
 

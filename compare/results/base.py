@@ -27,6 +27,8 @@ JSON: TypeAlias = "bool | int | float | str | list[JSON] | dict[str, JSON] | Non
 SCHEMA = 2
 
 
+#: Units with which only names of columns end, not keys of the JSON.
+SI_UNITS = ("Pa", "m", "rad")
 #: Headings of the columns of a table of results.
 HEADINGS = ("quantity", "value", "unit", "error to expect", "note")
 #: Smallest width of the last column of a table [characters]; where less is left, the notes stand on lines of their own.
@@ -336,8 +338,25 @@ class TabularRecord(Record):
         dict
             Unit of each column, such as "N", by the column's name.
         """
-        found = {name: name_and_unit_of_key(name)[1] for name in self.columns()}
-        return {name: unit.text for name, unit in found.items() if unit is not None}
+        found = {name: self.unit_of_column(name) for name in self.columns()}
+        return {name: unit for name, unit in found.items() if unit}
+
+    def unit_of_column(self, name: str) -> str:
+        """Return the unit of a column, with which its name ends; a flank or the number of a component may follow it.
+
+        Parameters
+        ----------
+        name
+            Name of the column.
+
+        Returns
+        -------
+        str
+            The unit; empty without one.
+        """
+        bare = re.sub(r"(_(SL|SR|NL|NR))?(_\d)?$", "", name)
+        unit, last = name_and_unit_of_key(bare)[1], bare.rpartition("_")[2]
+        return unit.text if unit is not None else last if last in SI_UNITS else ""
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the result as a pandas data frame with the columns of `columns`.

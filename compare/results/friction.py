@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, is_dataclass, replace
 from functools import reduce
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rollbench.compare.models.friction_torques import FrictionTorques, fraction_in_percent
-from rollbench.compare.quantities import json_number, name_and_unit_of_key, quantities_of_instance, record_as_json
+from rollbench.compare.quantities import json_number, quantities_of_instance, record_as_json
 from rollbench.compare.results.base import HEADINGS, JSON, Row, TabularRecord, add_schema_version, json_rows, known_values
 from rollbench.compare.results.friction_run import TransientRun, transient_simulation_as_json
 from rollbench.compare.results.rows import group_rows, record_rows
@@ -537,18 +536,6 @@ class Friction(InOrderOfKeys, FrictionTorques, TabularRecord):
         if self.balls:
             return [known_values(record_as_json(ball)) for ball in self.balls]
         return [{f"{name}_Nmm": 1e3 * value for name, value in self._torques().items()}]
-
-    def units(self) -> dict[str, str]:
-        """Return the unit of each column of `columns` by its name; columns without unit are left out.
-
-        Returns
-        -------
-        dict
-            Unit of each column, such as "mW", by the column's name.
-        """
-        bare = {name: re.sub(r"(_(SL|SR|NL|NR))?(_\d)?$", "", name) for name in self.columns()}
-        found = {name: name_and_unit_of_key(key)[1] for name, key in bare.items()}
-        return {name: unit.text for name, unit in found.items() if unit is not None}
 
     def figure(self) -> Figure | None:
         """Return the figure of the power lost by each ball on each flank, a panel a nut and load case; else of the torques.

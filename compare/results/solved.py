@@ -467,17 +467,6 @@ class Result(TabularRecord, Balls):
         found = super().columns()
         return {name: column if isinstance(column[0], str) else np.array(column) for name, column in found.items()}
 
-    def units(self) -> dict[str, str]:
-        """Return the SI unit of each column of `columns` by its name; columns without unit are left out.
-
-        Returns
-        -------
-        dict
-            Unit of each column, such as "N", by the column's name.
-        """
-        found = {name: name.rpartition("_")[2] for name in self.columns()}
-        return {name: unit for name, unit in found.items() if unit in ("N", "Pa", "m", "rad")}
-
     def figure(self) -> Figure | None:
         """Return the figure of the contact loads: a panel for each loaded flank of each nut, bearing and load case.
 

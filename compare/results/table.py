@@ -10,7 +10,7 @@ from typing import Any, cast
 import numpy as np
 
 from rollbench.compare.models.stiffness import NutAndLoadPoint
-from rollbench.compare.quantities import name_and_unit_of_key, quantities_of_record, record_as_json
+from rollbench.compare.quantities import quantities_of_record, record_as_json
 from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version, single_values, values_in_words
 from rollbench.meshes.arrays import Array, RecordWithArrays
 from rollbench.meshes.parts import FREEDOMS
@@ -251,33 +251,30 @@ class Table(TabularRecord):
         """
         return _table_figure(self)
 
-    def units(self) -> dict[str, str]:
-        """Return the unit of each column of `columns` by its name; columns without unit are left out.
+    def unit_of_column(self, name: str) -> str:
+        """Return the unit of a column. A stiffness term ``K_a_b`` has the unit of a force or moment over that of a motion.
+
+        Parameters
+        ----------
+        name
+            Name of the column.
 
         Returns
         -------
-        dict
-            Unit of each column, such as "N/m", by the column's name. A stiffness term ``K_a_b`` has the unit of the force
-            or moment of a, divided by that of the displacement or rotation of b.
+        str
+            The unit; empty without one.
         """
-        of_key = {x.column: x.unit for x in self.over}
-        found = {name: of_key.get(name, _unit_of_column(name)) for name in self.columns()}
-        return {name: unit for name, unit in found.items() if unit}
+        over = next((x for x in self.over if x.column == name), None)
+        if over is not None:
+            return over.unit
+        term = name.removeprefix("K_").split("_")
+        if name.startswith("K_"):
+            return f"{FORCE_UNITS[FREEDOMS.index(term[0])]}/{FREEDOM_UNITS[FREEDOMS.index(term[1])]}"
+        return "%" if name.startswith("expected_error_percent_") else super().unit_of_column(name)
 
 
 #: Units of the forces and moments, and of the displacements and rotations, in the order of `FREEDOMS`.
 FORCE_UNITS, FREEDOM_UNITS = ("N",) * 3 + ("N m",) * 3, ("m",) * 3 + ("rad",) * 3
-
-
-def _unit_of_column(name: str) -> str:
-    """Return the unit of a column of computed values by its name; empty where it has none."""
-    term = name.removeprefix("K_").split("_")
-    if name.startswith("K_"):
-        return f"{FORCE_UNITS[FREEDOMS.index(term[0])]}/{FREEDOM_UNITS[FREEDOMS.index(term[1])]}"
-    if name.startswith("expected_error_percent_"):
-        return "%"
-    unit = name_and_unit_of_key(name)[1]
-    return "" if unit is None else unit.text
 
 
 def _by_freedoms(key: str, value: Any) -> Any:
