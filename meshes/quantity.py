@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass, field
+from functools import partial
 from typing import Any, TypeVar, dataclass_transform, overload
 
 Class = TypeVar("Class")
@@ -89,6 +90,12 @@ def quantity_field(
     stated = QuantityDescription(key, definition, **others), *also
     given: dict[str, Any] = {"default": default, "default_factory": default_factory}
     return field(**given, metadata={"stated": stated})
+
+
+#: `quantity_field` of a quantity that does not exist in every record: None by default.
+quantity_or_none = partial(quantity_field, default=None)
+#: `quantity_field` of a text, or of a number of a part, that may be empty or 0 (the default), which is null in JSON.
+text_or_none = partial(quantity_field, show=lambda words: words or None, default="")
 
 
 @overload

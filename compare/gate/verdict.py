@@ -17,7 +17,7 @@ from rollbench.compare.quantities import json_number, words_and_unit_of_key
 from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.quantity import QuantityDescription, result_record
+from rollbench.meshes.quantity import QuantityDescription, quantity_or_none, result_record
 from rollbench.meshes.quantity import quantity_field as stated
 
 #: Default limit of the largest contact-load error [%].
@@ -142,11 +142,10 @@ class VerdictRow:
     """Number of judged contacts."""
     detail: str = ""
     """Further explanation of the judgement; may be empty."""
-    of_mean: LoadError | None = stated(
+    of_mean: LoadError | None = quantity_or_none(
         "max_percent_of_mean",
         "error of the worst contact load in per cent of the mean load",
         QuantityDescription("rms_percent_of_mean", "root mean square over all contacts, in per cent of the mean load"),
-        default=None,
     )
     """Largest and RMS error of the contact loads in per cent of the mean load; None for other quantities."""
     set: str | None = None

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from rollbench.compare.quantities import quantities_of_instance
-from rollbench.meshes.quantity import quantity_field, result_record
+from rollbench.meshes.quantity import quantity_or_none, result_record
 
 #: Keys of the torques of one screw or bearing, in the order of the JSON.
 TORQUE_KEYS = (
@@ -39,99 +39,81 @@ class FrictionTorques:
     A field is None if the quantity does not exist for the part, such as the efficiency of a bearing, or is not known.
     """
 
-    torque: float | None = quantity_field(
+    torque: float | None = quantity_or_none(
         "torque.friction_torque_Nmm",
         "torque of the friction forces only; it opposes the motion",
         error="proportional to the coefficient",
         heading="friction torque",
         form="g3",
-        default=None,
     )
-    reverse_torque: float | None = quantity_field(
+    reverse_torque: float | None = quantity_or_none(
         "torque.reverse_friction_torque_Nmm",
         "torque of the friction forces in the reversed motion",
         error="that of the friction torque",
         heading="friction torque, reversed",
         form="g3",
-        default=None,
     )
-    torque_on_screw: float | None = quantity_field(
+    torque_on_screw: float | None = quantity_or_none(
         "torque.friction_torque_on_screw_Nmm",
         "friction torque that acts on the screw, with sign",
         error="that of the friction torque",
-        default=None,
     )
-    torque_on_nut: float | None = quantity_field(
+    torque_on_nut: float | None = quantity_or_none(
         "torque.friction_torque_on_nut_Nmm",
         "friction torque that acts on the nut, with sign",
         error="that of the friction torque",
-        default=None,
     )
-    drag_torque: float | None = quantity_field(
+    drag_torque: float | None = quantity_or_none(
         "torque.drag_torque_Nmm",
         "friction torque without the scene's external loads, from the preload only",
         error="proportional to the coefficient",
         heading="drag torque",
         form="g3",
-        default=None,
     )
-    axial_load: float | None = quantity_field(
-        "torque.axial_load_N", "axial load against which the torque works", default=None
-    )
-    driving_torque_on_screw: float | None = quantity_field(
+    axial_load: float | None = quantity_or_none("torque.axial_load_N", "axial load against which the torque works")
+    driving_torque_on_screw: float | None = quantity_or_none(
         "torque.driving_torque_on_screw_Nmm",
         "torque that drives the screw in the stated motion",
         error="friction's share of it",
-        default=None,
     )
-    driving_torque_on_nut: float | None = quantity_field(
+    driving_torque_on_nut: float | None = quantity_or_none(
         "torque.driving_torque_on_nut_Nmm",
         "torque that drives the nut in the stated motion",
         error="friction's share of it",
-        default=None,
     )
-    load_moves: str | None = quantity_field(
-        "torque.load_moves", "whether the motion is with or against the axial load", default=None
-    )
-    forward_torque: float | None = quantity_field(
+    load_moves: str | None = quantity_or_none("torque.load_moves", "whether the motion is with or against the axial load")
+    forward_torque: float | None = quantity_or_none(
         "torque.forward_torque_Nmm",
         "torque that moves the nut against the axial load: F l/(2 pi) + friction",
         error="friction's share of it",
         heading="torque against the load",
         form="g3",
-        default=None,
     )
-    backward_torque: float | None = quantity_field(
+    backward_torque: float | None = quantity_or_none(
         "torque.backward_torque_Nmm",
         "torque that the axial load delivers when it drives the screw: F l/(2 pi) - friction",
         error="friction's share of it",
         heading="torque with the load",
         form="g3",
-        default=None,
     )
-    efficiency_forward: float | None = quantity_field(
+    efficiency_forward: float | None = quantity_or_none(
         "torque.efficiency_forward_percent",
         "work done on the axial load, divided by the work of the driving torque",
         error="1 - efficiency is proportional to the coefficient",
         heading="efficiency against the load",
         form="g3",
         show=fraction_in_percent,
-        default=None,
     )
-    efficiency_backward: float | None = quantity_field(
+    efficiency_backward: float | None = quantity_or_none(
         "torque.efficiency_backward_percent",
         "work of the torque that the screw delivers, divided by the work of the axial load",
         error="1 - efficiency is proportional to the coefficient",
         heading="efficiency with the load",
         form="g3",
         show=fraction_in_percent,
-        default=None,
     )
-    self_locking: bool | None = quantity_field(
-        "torque.self_locking",
-        "whether the screw is self-locking: the axial load cannot turn it",
-        heading="self-locking",
-        default=None,
+    self_locking: bool | None = quantity_or_none(
+        "torque.self_locking", "whether the screw is self-locking: the axial load cannot turn it", heading="self-locking"
     )
 
     def torques_as_json(self, keys: Sequence[str] = TORQUE_KEYS) -> dict[str, Any]:

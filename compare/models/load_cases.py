@@ -23,7 +23,7 @@ from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, quantity_or_none, result_record, text_or_none
 
 #: Smallest and largest efficiency of a nut that accelerates a mass, if the scene states none (Smith 4.3.1) [1].
 EFFICIENCY: Band = (0.90, 0.95)
@@ -50,7 +50,7 @@ class ShaftTorque:
         "friction torque of the seals and wipers of this nut or bearing row, as the scene states it",
         default=0.0,
     )
-    words: str = quantity_field("words", "why the torque is not known", show=lambda words: words or None, default="")
+    words: str = text_or_none("words", "why the torque is not known")
 
 
 @result_record
@@ -274,9 +274,9 @@ class LivesOverDutyCycle:
     #: Name of the nut or row; empty if the scene has only one.
     set: str = ""
     #: Life by the contact loads, modified for reliability and lubricant.
-    modified: ModifiedLife | None = quantity_field("modified_life", default=None)
+    modified: ModifiedLife | None = quantity_or_none("modified_life")
     #: Life of a bearing over the duty cycle by ISO/TS 16281; None for nuts.
-    reference: iso_lives.ReferenceLife | None = quantity_field("reference_life", default=None)
+    reference: iso_lives.ReferenceLife | None = quantity_or_none("reference_life")
 
     @property
     def life_by_loads(self) -> LifeByLoads | None:
@@ -299,45 +299,43 @@ class LivesOverDutyCycle:
         )
 
 
-@result_record
+def _extreme_field(key: str, definition: str, case_key: str, **others: Any) -> Any:
+    """Return a field with an extreme over all load cases, which has a key for its value and one for the load case.
+
+    ``key``, ``definition``, ``others``: as for `quantity_field`; ``case_key``: beginning of the key of the load case.
+    """
+    words = f"load case with the {case_key.replace('_', ' ')}"
+    case = QuantityDescription(f"{case_key}_case", words, show=lambda found: found and found.case)
+    note = f"case {{{case_key}_case}}"
+    return quantity_field(key, definition, case, **{"note": note} | others, show=lambda found: found and found.value)
+
+
+@result_record(kw_only=True)
 class DutyCycleResults:
     """Extreme values over the load cases of a duty cycle, and lives of each nut or bearing row over the whole cycle."""
 
     #: Largest contact pressure [Pa] of the load cases with equilibrium; None if no contact is loaded.
-    pressure: ExtremeOverLoadCases | None = quantity_field(
+    pressure: ExtremeOverLoadCases | None = _extreme_field(
         "largest_pressure_MPa",
         "largest pressure of all load cases",
-        QuantityDescription(
-            "largest_pressure_case", "load case with the largest pressure", show=lambda found: found and found.case
-        ),
+        "largest_pressure",
         error="`model_form.pressure_percent` of its case",
-        show=lambda found: found and found.value,
         heading="peak pressure of all load cases",
-        note="case {largest_pressure_case}",
     )
     #: Smallest static safety of the load cases with equilibrium; None if no contact is loaded.
-    safety: ExtremeOverLoadCases | None = quantity_field(
+    safety: ExtremeOverLoadCases | None = _extreme_field(
         "least_static_safety",
         "least static safety of all load cases",
-        QuantityDescription(
-            "least_static_safety_case", "load case with the least static safety", show=lambda found: found and found.case
-        ),
+        "least_static_safety",
         error="that of the load",
-        show=lambda found: found and found.value,
         heading="least static safety",
         form="g3",
-        note="case {least_static_safety_case}",
     )
     #: Largest expected error of a contact load in the load cases with equilibrium [% of the mean load]; None: not known.
-    error: ExtremeOverLoadCases | None = quantity_field(
+    error: ExtremeOverLoadCases | None = _extreme_field(
         "largest_expected_error_percent",
         "largest expected error of a contact load in any load case, in per cent of the mean load",
-        QuantityDescription(
-            "largest_expected_error_case",
-            "load case with the largest expected error",
-            show=lambda found: found and found.case,
-        ),
-        show=lambda found: found and found.value,
+        "largest_expected_error",
         heading="largest contact-load error to expect",
         form="g2",
         note="of the mean load, case {largest_expected_error_case}",
@@ -351,7 +349,7 @@ class DutyCycleResults:
     #: Mean speed over the cycle [rad/s]; None: not known.
     speed: float | None
     #: Combined life of all nuts and rows that turn with the shaft; None for a single nut or row, or if no life is known.
-    axis_life: rating_life.SystemLife | None = quantity_field("axis_life", default=None)
+    axis_life: rating_life.SystemLife | None = quantity_or_none("axis_life")
 
     @property
     @QuantityDescription(
@@ -403,14 +401,14 @@ def compute_duty_cycle_results(
     if isinstance(cycle.parts, Assembly):
         axis_life = life_of_turning_sets(cycle.parts, ((x.set, x) for x in lives), cycle.speed)
     return DutyCycleResults(
-        _extreme_over_cases(max, ((case, w.pressure) for case, w in worst)),
-        _extreme_over_cases(min, ((case, w.safety) for case, w in worst)),
-        _extreme_over_cases(max, errors),
-        tuple(case.name for case, percent in errors if percent is None),
-        {case.name: lost for case, lost in zip(cycle.cases, statuses, strict=True) if lost},
-        lives,
-        cycle.speed,
-        axis_life,
+        pressure=_extreme_over_cases(max, ((case, w.pressure) for case, w in worst)),
+        safety=_extreme_over_cases(min, ((case, w.safety) for case, w in worst)),
+        error=_extreme_over_cases(max, errors),
+        uncovered=tuple(case.name for case, percent in errors if percent is None),
+        unsolved={case.name: lost for case, lost in zip(cycle.cases, statuses, strict=True) if lost},
+        lives=lives,
+        speed=cycle.speed,
+        axis_life=axis_life,
     )
 
 

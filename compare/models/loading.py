@@ -22,7 +22,7 @@ from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing
 from rollbench.meshes.parts import SIDES, Load, Scene
-from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record, text_or_none
 
 #: Type with a force and a moment: a load on the shaft, or a housing with its load.
 Loaded = TypeVar("Loaded", Load, Housing)
@@ -95,15 +95,13 @@ class LiftOff:
         "ball", "ball, or roller, of the contact that opens", show=lambda ball: ball or None, default=0
     )
     #: Flank of the contact that opens: SL, SR, NL, NR; empty for rollers, and if none was found.
-    side: str = quantity_field("side", "flank of the contact that opens", show=lambda side: side or None, default="")
+    side: str = text_or_none("side", "flank of the contact that opens")
     #: Axial force on the nut, or of several nuts or bearings the sum of the axial loads, when the contact opens [N]; 0 if
     #: none was found.
     axial: float = 0.0
     #: Number of times that the scene was solved for the search.
     solves: int = 0
-    words: str = quantity_field(
-        "words", "why no load was found at which a contact opens", show=lambda words: words or None, default=""
-    )
+    words: str = text_or_none("words", "why no load was found at which a contact opens")
     #: Name of the nut or bearing; empty if the scene has only one.
     set: str = ""
 
@@ -440,6 +438,15 @@ NOTHING = 5e-4
 COMPONENTS = tuple(f"{way} {axis}" for way in ("along", "about") for axis in "xyz")
 
 
+def _wrench_field(key: str, force: str, moment: str) -> Any:
+    """Return a field with three forces and three moments (6,) [N, N m], which has a key for each of both.
+
+    ``key``: beginning of both keys; ``force``, ``moment``: their definitions.
+    """
+    of_moment = QuantityDescription(f"{key}moment_Nm", moment, show=lambda load: load[3:], parts="[]")
+    return quantity_field(f"{key}force_N", force, of_moment, show=lambda load: load[:3], parts="[]")
+
+
 @result_record
 class SupportShare:
     """Share of the external loads that one support of the shaft, or the frame that holds a housing, carries."""
@@ -447,22 +454,15 @@ class SupportShare:
     #: Name of the support (its axial position) or of the housing.
     name: str = quantity_field("name", "support of the shaft, named by its axial position, or frame that holds a housing")
     #: Force and moment of the external loads that the support or frame carries, (6,) [N, N m].
-    carried_load: Array = quantity_field(
-        "force_N",
+    carried_load: Array = _wrench_field(
+        "",
         "share of the loads that this support or frame carries: force on it, less the force on it without the loads",
-        QuantityDescription(
-            "moment_Nm",
-            "share of the loads that this support or frame carries: moment on it at its axial position, less the moment "
-            "without the loads",
-            show=lambda part: part[3:],
-            parts="[]",
-        ),
-        show=lambda part: part[:3],
-        parts="[]",
+        "share of the loads that this support or frame carries: moment on it at its axial position, less the moment "
+        "without the loads",
     )
 
 
-@result_record
+@result_record(kw_only=True)
 class LoadPath:
     """Shares of the external loads that each support and the rolling contacts carry.
 
@@ -470,48 +470,27 @@ class LoadPath:
     """
 
     #: Force and moment of all loads, (6,) [N, N m].
-    applied_load: Array = quantity_field(
-        "applied.force_N",
+    applied_load: Array = _wrench_field(
+        "applied.",
         "sum of the forces of the scene's loads, on shaft and housings, along x, y, z",
-        QuantityDescription(
-            "applied.moment_Nm",
-            "sum of the moments of the scene's loads about x, y, z, as stated there; lever arms of forces are not included",
-            show=lambda applied: applied[3:],
-            parts="[]",
-        ),
-        show=lambda applied: applied[:3],
-        parts="[]",
+        "sum of the moments of the scene's loads about x, y, z, as stated there; lever arms of forces are not included",
     )
     #: Force and moment of the loads on the shaft, (6,) [N, N m].
-    load_on_shaft: Array = quantity_field(
-        "on_shaft.force_N",
+    load_on_shaft: Array = _wrench_field(
+        "on_shaft.",
         "sum of the forces of the scene's loads on the shaft along x, y, z",
-        QuantityDescription(
-            "on_shaft.moment_Nm",
-            "sum of the moments of the scene's loads on the shaft about x, y, z, without lever arms of forces",
-            show=lambda load: load[3:],
-            parts="[]",
-        ),
-        show=lambda load: load[:3],
-        parts="[]",
+        "sum of the moments of the scene's loads on the shaft about x, y, z, without lever arms of forces",
     )
     #: Shares that the supports of the shaft and the frames of housings carry.
     support_shares: tuple[SupportShare, ...] = quantity_field("supports")
     #: Force and moment (6,) [N, N m] of the external loads that the contacts carry, the moment about the centre of their
     #: nut or ring; for several nuts or rows the sum of the absolute values.
-    contact_load: Array = quantity_field(
-        "contacts.force_N",
+    contact_load: Array = _wrench_field(
+        "contacts.",
         "change, due to the loads, of the force of the screw on the contacts; of several nuts or bearing rows the sum of "
         "the absolute changes",
-        QuantityDescription(
-            "contacts.moment_Nm",
-            "change, due to the loads, of the moment of the screw on the contacts about the centre of the nut or ring; of "
-            "several nuts or bearing rows the sum of the absolute changes",
-            show=lambda contacts: contacts[3:],
-            parts="[]",
-        ),
-        show=lambda contacts: contacts[:3],
-        parts="[]",
+        "change, due to the loads, of the moment of the screw on the contacts about the centre of the nut or ring; of "
+        "several nuts or bearing rows the sum of the absolute changes",
     )
     #: Lever arm by which moments are divided to compare them with forces: the pitch radius [m].
     lever_arm: float = quantity_field("lever_arm_mm", "pitch radius, by which moments are compared with forces")
@@ -548,19 +527,28 @@ def load_path(
     if isinstance(scene, Scene):
         change = _contact_wrench_on_screw(result) - _contact_wrench_on_screw(unloaded)
         contacts = -resultant_about_origin(np.array([-scene.nut.position]), change[None])  # moment about the nut's centre
-        return LoadPath(applied, on_shaft, shares, contacts, scene.track.pitch_radius)
-    assert isinstance(result, AxisResult)
-    assert isinstance(unloaded, AxisResult)
-    each = np.array([np.concatenate([s.force, s.moment]) for s in result.sets])
-    idle, frames = np.zeros(each.shape), [np.zeros(6)] * len(result.housings)
-    if unloaded.converged:
-        idle = np.array([np.concatenate([s.force, s.moment]) for s in unloaded.sets])
-        frames = [h.wrench for h in unloaded.housings]
-    held = zip(result.housings, frames, strict=True)
-    shares += tuple(SupportShare(f"the frame of {h.name}", -(h.wrench - before)) for h, before in held)
-    radii = [s.parts.track.pitch_radius for s in scene.sets if isinstance(s.parts, Scene)]
-    arm = max(radii, default=scene.screw.outer_diameter / 2.0)
-    return LoadPath(applied, on_shaft, shares, np.abs(each - idle).sum(axis=0), arm, body)
+        arm = scene.track.pitch_radius
+    else:
+        assert isinstance(result, AxisResult)
+        assert isinstance(unloaded, AxisResult)
+        each = np.array([np.concatenate([s.force, s.moment]) for s in result.sets])
+        idle, frames = np.zeros(each.shape), [np.zeros(6)] * len(result.housings)
+        if unloaded.converged:
+            idle = np.array([np.concatenate([s.force, s.moment]) for s in unloaded.sets])
+            frames = [h.wrench for h in unloaded.housings]
+        held = zip(result.housings, frames, strict=True)
+        shares += tuple(SupportShare(f"the frame of {h.name}", -(h.wrench - before)) for h, before in held)
+        radii = [s.parts.track.pitch_radius for s in scene.sets if isinstance(s.parts, Scene)]
+        arm = max(radii, default=scene.screw.outer_diameter / 2.0)
+        contacts = np.abs(each - idle).sum(axis=0)
+    return LoadPath(
+        applied_load=applied,
+        load_on_shaft=on_shaft,
+        support_shares=shares,
+        contact_load=contacts,
+        lever_arm=arm,
+        loaded_body=body,
+    )
 
 
 def assemblies_by_loaded_body(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:

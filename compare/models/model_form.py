@@ -51,7 +51,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, quantity_or_none, result_record
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
 if TYPE_CHECKING:
@@ -163,13 +163,11 @@ class ExpectedError:
     #: compared scenes.
     words: tuple[str, ...] = quantity_field("words")
     #: Error of the axial displacement of the cross-section on which the axial load acts [%].
-    displacement: float | None = quantity_field(
-        "displacement_percent", "expected error of the axial displacement", default=None
-    )
+    displacement: float | None = quantity_or_none("displacement_percent", "expected error of the axial displacement")
     #: Error of the axial tangent rigidity of the cross-section on which the axial load acts [%].
-    rigidity: float | None = quantity_field("rigidity_percent", "expected error of the tangent rigidity", default=None)
+    rigidity: float | None = quantity_or_none("rigidity_percent", "expected error of the tangent rigidity")
     #: Error of the largest pressure against that by Hertz from the contact loads of the 3D reference [%].
-    pressure: float | None = quantity_field("pressure_percent", "expected error of the largest pressure", default=None)
+    pressure: float | None = quantity_or_none("pressure_percent", "expected error of the largest pressure")
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ from rollbench.meshes import one_arc
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, quantity_or_none, result_record, text_or_none
 
 if TYPE_CHECKING:
     from rollbench.lowfi.rating.rigidity import AxialRigidities
@@ -307,60 +307,48 @@ class SetResult(Balls):
     """Solution of this nut or bearing as one of several on a shaft; None if the scene has only one."""
     nominal_contacts: int = 0
     """Number of contacts by which the sum of the loads is divided for the mean load; 0 for that of the loaded ones."""
-    nut: NutStiffness | None = quantity_field("nut", default=None)
+    nut: NutStiffness | None = quantity_or_none("nut")
     """Axial displacement [m] and stiffness [N/m] of this nut or bearing between its two parts, under the scene's loads."""
     rigidities: AxialRigidities | None = None
     """Axial rigidity [N/m] of a single nut or bearing by several definitions; None without axial force."""
-    worst: WorstContact | None = quantity_field(
-        "worst_contact",
-        "",
-        QuantityDescription("static_safety", show=lambda worst: worst and worst.static_safety),
-        default=None,
+    worst: WorstContact | None = quantity_or_none(
+        "worst_contact", "", QuantityDescription("static_safety", show=lambda worst: worst and worst.static_safety)
     )
     """Contact with the highest pressure; None if no contact is loaded."""
-    rib: RibContact | None = quantity_field("rib_contact", default=None)
+    rib: RibContact | None = quantity_or_none("rib_contact")
     """Contact of the most loaded roller with the rib of its ring; None for balls, and if no contact is loaded."""
-    truncation: EllipseTruncation | None = quantity_field("truncation", default=None)
+    truncation: EllipseTruncation | None = quantity_or_none("truncation")
     """Contact ellipse that comes closest to the edge of its groove; None for rollers."""
-    preload: Preload | None = quantity_field("preload", default=None)
+    preload: Preload | None = quantity_or_none("preload")
     """Contact loads without the external loads of the scene; None if there is no equilibrium without external loads."""
-    lift_off: LiftOff | None = quantity_field("contact_lost", default=None)
+    lift_off: LiftOff | None = quantity_or_none("contact_lost")
     """External load at which the first preloaded contact opens; None without preload."""
-    friction: FrictionTorques | None = quantity_field(
-        "friction", show=lambda torques: None if torques is None else torques.torques_as_json(), default=None
+    friction: FrictionTorques | None = quantity_or_none(
+        "friction", show=lambda torques: None if torques is None else torques.torques_as_json()
     )
     """Friction torques and efficiencies; None if not computed."""
-    friction_words: str = quantity_field(
-        "friction_words",
-        "why the friction torques are not computed; null if they are",
-        show=lambda words: words or None,
-        default="",
-    )
+    friction_words: str = text_or_none("friction_words", "why the friction torques are not computed; null if they are")
     """Why the friction torques are not computed; empty if they are, and for bearings on a shaft."""
-    torque: RollerBearingTorque | None = quantity_field("roller_torque", default=None)
+    torque: RollerBearingTorque | None = quantity_or_none("roller_torque")
     """Friction torque of a row of rollers [N m], from the work of friction and from Timken's formula; None for balls, and
     if no contact is loaded."""
-    bearing_torque: BallBearingTorque | None = quantity_field("bearing_torque", default=None)
+    bearing_torque: BallBearingTorque | None = quantity_or_none("bearing_torque")
     """Friction torque of a ball bearing [N m]; None for nuts, and if no contact is loaded."""
-    life: Life | None = quantity_field("life", default=None)
+    life: Life | None = quantity_or_none("life")
     """Life L10; None if no contact is loaded, and where `life_words` or `rating_refused` gives another reason."""
-    modified_life: ModifiedLife | None = quantity_field("modified_life", default=None)
+    modified_life: ModifiedLife | None = quantity_or_none("modified_life")
     """Life modified for reliability, lubricant and contamination [10^6 revolutions]; None if the scene states none of the
     three, and for rollers."""
-    reference_life: ReferenceLife | None = quantity_field("reference_life", default=None)
+    reference_life: ReferenceLife | None = quantity_or_none("reference_life")
     """Life of a bearing by ISO/TS 16281 [10^6 revolutions]; None for nuts, and if no contact is loaded."""
-    life_words: str = quantity_field(
+    life_words: str = text_or_none(
         "life_words",
         "why there is no life L10: what ISO 281 does not cover, or that the rings do not turn; null if there is one",
-        show=lambda words: words or None,
-        default="",
     )
     """Why there is no life L10, such as a load that ISO 281 does not cover, or rings that do not turn; else empty."""
-    ratings: Ratings | None = quantity_field("ratings", default=None)
+    ratings: Ratings | None = quantity_or_none("ratings")
     """Dynamic and static load ratings."""
-    rating_refused: str = quantity_field(
-        "rating_refused", "why no life and no load ratings can be computed", show=lambda words: words or None, default=""
-    )
+    rating_refused: str = text_or_none("rating_refused", "why no life and no load ratings can be computed")
     """Why no life and no load ratings can be computed; empty if they can."""
 
     @property

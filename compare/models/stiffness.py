@@ -23,7 +23,7 @@ from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Load, Scene
-from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, quantity_or_none, result_record
 
 #: Change of the loads, in either direction, between the two solutions of a tangent, relative to the loads or to the largest
 #: contact load that remains without them, whichever is larger.
@@ -42,16 +42,14 @@ LOST_BY = 100.0
 class CrossMotion:
     """Displacement across the axis [m] and tilt [rad] of a section; None without loads across or moments."""
 
-    across_x: float | None = quantity_field(
-        "across_x_um",
-        "displacement across, along x, from the scene without loads; null without loads across or moments",
-        default=None,
+    across_x: float | None = quantity_or_none(
+        "across_x_um", "displacement across, along x, from the scene without loads; null without loads across or moments"
     )
-    across_y: float | None = quantity_field("across_y_um", "the same along y", default=None)
-    tilt_x: float | None = quantity_field(
-        "tilt_x_mrad", "tilt about x, from the scene without loads; null without loads across or moments", default=None
+    across_y: float | None = quantity_or_none("across_y_um", "the same along y")
+    tilt_x: float | None = quantity_or_none(
+        "tilt_x_mrad", "tilt about x, from the scene without loads; null without loads across or moments"
     )
-    tilt_y: float | None = quantity_field("tilt_y_mrad", "the same about y", default=None)
+    tilt_y: float | None = quantity_or_none("tilt_y_mrad", "the same about y")
 
     @property
     @QuantityDescription(
@@ -160,28 +158,25 @@ class NutAndLoadPoint:
     Where scenes stand side by side, those of nuts are null beside bearings, and those of loads along z beside loads across.
     """
 
-    nut_tangent: float | None = quantity_field(
+    nut_tangent: float | None = quantity_or_none(
         "nut_tangent_N_per_um",
         "`nut.tangent_N_per_um`, without the shaft: of the nuts, or of the bearings without a nut",
         heading="nut: axial rigidity, tangent",
-        default=None,
     )
-    load_point_tangent: float | None = quantity_field(
+    load_point_tangent: float | None = quantity_or_none(
         "load_point_tangent_N_per_um",
         "`load_point.tangent_N_per_um`, to ground",
         error="that of the rigidity, along z",
         heading="load's point: rigidity, tangent",
-        default=None,
     )
-    nut_displacement: float | None = quantity_field(
-        "nut_displacement_um", "`nut.displacement_um`", heading="nut: axial displacement", default=None
+    nut_displacement: float | None = quantity_or_none(
+        "nut_displacement_um", "`nut.displacement_um`", heading="nut: axial displacement"
     )
-    load_point_displacement: float | None = quantity_field(
+    load_point_displacement: float | None = quantity_or_none(
         "load_point_displacement_um",
         "`load_point.displacement_um`",
         error="that of the displacement, along z",
         heading="load's point: displacement",
-        default=None,
     )
 
 

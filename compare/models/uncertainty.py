@@ -55,7 +55,7 @@ from rollbench.compare.reference.store import Run, load_stored_run, shipped_stor
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Material, Scene
-from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, quantity_or_none, result_record, text_or_none
 
 #: Function that returns the values of a quantity from a scene and the results of a model or 3D run.
 Take = Callable[[Scene, ContactSolution], Array]
@@ -304,21 +304,18 @@ class Uncertainty:
     """Uncertainty from the finite-element mesh of the reference (numerical uncertainty)."""
     by_experience: bool = quantity_field("discretisation_by_experience", default=False)
     """Whether the part due to the mesh is estimated from other scenes, because there is a single mesh level."""
-    choices: float | None = quantity_field(
+    choices: float | None = quantity_or_none(
         "modelling_percent",
         "largest change of a contact load by modelling choices of the 3D reference, which finer meshes do not show",
-        default=None,
     )
     """Uncertainty from modelling choices of the reference, which mesh refinement does not reveal."""
-    largest_choice: str = quantity_field("modelling_dominated_by", show=lambda name: name or None, default="")
+    largest_choice: str = text_or_none("modelling_dominated_by")
     """Modelling choice with the largest effect."""
-    choices_varied_on: str = quantity_field("modelling_varied_on", show=lambda name: name or None, default="")
+    choices_varied_on: str = text_or_none("modelling_varied_on")
     """Name of the scene on which the modelling choices of the 3D reference were varied; empty: none."""
-    inputs: float | None = quantity_field(
-        "input_percent", "largest change of a contact load by tolerances of the inputs", default=None
-    )
+    inputs: float | None = quantity_or_none("input_percent", "largest change of a contact load by tolerances of the inputs")
     """Uncertainty from the tolerances of the scene's input values."""
-    largest_input: str = quantity_field("input_dominated_by", show=lambda name: name or None, default="")
+    largest_input: str = text_or_none("input_dominated_by")
     """Name of the input whose tolerance has the largest effect."""
     second_order: float = quantity_field(
         "large_displacements_percent",
@@ -343,7 +340,7 @@ class Uncertainty:
         default=0.0,
     )
     """Part of the mesh uncertainty at the contact ``at_face`` that is due to a near free face of the nut."""
-    at_face: str = quantity_field("beside_free_face_at", show=lambda contact: contact or None, default="")
+    at_face: str = text_or_none("beside_free_face_at")
     """Contact (ball and flank) at which the part due to a near free face is largest; empty: there is no such part."""
 
     @property

@@ -25,7 +25,7 @@ from rollbench.compare.results.solved import AxialResults
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle, LoadCaseOfDutyCycle, load_cases_by_scene_name
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, quantity_or_none, result_record
 from rollbench.reports.content import Figure, Panel, Series
 
 
@@ -158,7 +158,7 @@ class Comparison(TabularRecord):
     """Contact loads of the reference."""
     models: Mapping[str, ModelLoads] = field(default_factory=dict)
     """Loads and errors of the models, and of the 3D reference on coarser meshes, by name."""
-    expected_error: ExpectedError | None = quantity_field(
+    expected_error: ExpectedError | None = quantity_or_none(
         "expected_error_percent",
         "largest error of a contact load that `model_form` estimates for the model",
         QuantityDescription(
@@ -177,14 +177,12 @@ class Comparison(TabularRecord):
             show=lambda expected: expected and expected.pressure,
         ),
         show=lambda expected: expected and expected.loads,
-        default=None,
     )
     """Error of the default model (`judged_model`) that was expected from comparisons on other scenes; None if unknown."""
-    uncertainty: Uncertainty | None = quantity_field(
+    uncertainty: Uncertainty | None = quantity_or_none(
         "uncertainty_percent",
         "uncertainty of the reference's most uncertain contact load that is due to its mesh, at 95 % confidence",
         show=lambda uncertainty: uncertainty and uncertainty.discretisation,
-        default=None,
     )
     """Uncertainty of the errors, by its causes: mesh and choices of the reference, inputs of the scene."""
     unloaded_position: float = 0.0

@@ -12,7 +12,7 @@ import numpy as np
 from rollbench.compare.quantities import record_as_json
 from rollbench.compare.results.base import JSON, Record, Row, TabularRecord, add_schema_version, values_in_words
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, quantity_or_none, result_record
 from rollbench.reports.content import Figure, Panel, Series
 
 #: Probabilities of the quantiles of an output.
@@ -23,7 +23,7 @@ QUANTILES = (0.01, 0.05, 0.5, 0.95, 0.99)
 class Statistics:
     """Statistics of one output over the samples of a sweep or the specimens of an ensemble, in the output's unit."""
 
-    members: int | None = quantity_field("members", "number of specimens for which the value exists", default=None)
+    members: int | None = quantity_or_none("members", "number of specimens for which the value exists")
     mean: float = quantity_field("mean", "mean over the specimens", error="`standard_error`")
     standard_error: float = quantity_field(
         "standard_error",
@@ -175,8 +175,8 @@ class Ensemble(TabularRecord):
     )
     """Statistics of the load of every contact, in the units that the keys end with; empty if the scene has several nuts,
     bearings or load cases."""
-    band_resolution: float | None = quantity_field(
-        "band_resolution_N", "sampling error of the quantiles of the contact loads", default=None
+    band_resolution: float | None = quantity_or_none(
+        "band_resolution_N", "sampling error of the quantiles of the contact loads"
     )
     cases: Mapping[str, Ensemble] = field(default_factory=dict)
     """Statistics of each load case, by its name; empty without load cases."""

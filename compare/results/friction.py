@@ -13,7 +13,13 @@ from rollbench.compare.results.base import HEADINGS, JSON, Row, TabularRecord, a
 from rollbench.compare.results.friction_run import TransientRun, transient_simulation_as_json
 from rollbench.compare.results.rows import group_rows, record_rows
 from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
-from rollbench.meshes.quantity import QuantityDescription, quantity_descriptions, quantity_field, result_record
+from rollbench.meshes.quantity import (
+    QuantityDescription,
+    quantity_descriptions,
+    quantity_field,
+    quantity_or_none,
+    result_record,
+)
 from rollbench.reports.content import Figure, Panel, Series
 
 if TYPE_CHECKING:
@@ -55,59 +61,52 @@ class FrictionBall(InOrderOfKeys):
     A field is None if the quantity does not exist for this kind of scene.
     """
 
-    set: int | None = quantity_field("set", default=None)
+    set: int | None = quantity_or_none("set")
     """Number of the nut or bearing on the shaft, from 1; None for a single one."""
     index: int = quantity_field("index")
     """Number of the ball along its track, from 1."""
-    state: str | None = quantity_field("state", default=None)
+    state: str | None = quantity_or_none("state")
     """Of two balls of a screw: "apart" for balls that are far apart, "touching" for balls that touch each other."""
-    azimuth: float | None = quantity_field("azimuth_deg", default=None)
+    azimuth: float | None = quantity_or_none("azimuth_deg")
     """Azimuth of the ball's centre [rad]."""
-    z: float | None = quantity_field("z_mm", default=None)
+    z: float | None = quantity_or_none("z_mm")
     """Position of the ball's centre along the axis [m]."""
     load: Flanks = quantity_field("load_N", default_factory=dict)
     """Contact load on each flank, with friction [N]."""
     angle: Flanks = quantity_field("contact_angle_deg", default_factory=dict)
     """Contact angle on each flank [rad]; None for a flank without load."""
-    semi_axes_across: Flanks | None = quantity_field("semi_axis_across_um", default=None)
+    semi_axes_across: Flanks | None = quantity_or_none("semi_axis_across_um")
     """Semi-axes of the contact ellipses across the groove [m], of one ball of a bearing."""
-    semi_axes_along: Flanks | None = quantity_field("semi_axis_along_um", default=None)
+    semi_axes_along: Flanks | None = quantity_or_none("semi_axis_along_um")
     """Semi-axes of the contact ellipses along the groove [m], of one ball of a bearing."""
-    side_force_ratio: float | None = quantity_field("side_force_ratio", default=None)
+    side_force_ratio: float | None = quantity_or_none("side_force_ratio")
     """Force on a ball of a linear bearing across the track over that on it towards the bearing."""
-    velocity_apart: float | None = quantity_field("velocity_apart_mm_s", default=None)
+    velocity_apart: float | None = quantity_or_none("velocity_apart_mm_s")
     """Velocity of a ball of a linear bearing whose balls are far apart [m/s]."""
-    deviation_apart: float | None = quantity_field("deviation_apart_percent", show=fraction_in_percent, default=None)
+    deviation_apart: float | None = quantity_or_none("deviation_apart_percent", show=fraction_in_percent)
     """Difference of this velocity from half the carriage's, as a fraction of the latter."""
-    velocity_touching: float | None = quantity_field("velocity_touching_mm_s", default=None)
+    velocity_touching: float | None = quantity_or_none("velocity_touching_mm_s")
     """Velocity of a ball of a linear bearing whose balls touch [m/s]."""
-    deviation_touching: float | None = quantity_field("deviation_touching_percent", show=fraction_in_percent, default=None)
+    deviation_touching: float | None = quantity_or_none("deviation_touching_percent", show=fraction_in_percent)
     """Difference of this velocity from half the carriage's, as a fraction of the latter."""
-    orbit: float | None = quantity_field("orbit_rad_s", "speed of the ball's centre about the axis", default=None)
-    rotation: Sequence[float | None] | None = quantity_field(
-        "rotation_rad_s",
-        "rotation of the ball about its centre: across, along, normal to its track",
-        parts="[]",
-        default=None,
+    orbit: float | None = quantity_or_none("orbit_rad_s", "speed of the ball's centre about the axis")
+    rotation: Sequence[float | None] | None = quantity_or_none(
+        "rotation_rad_s", "rotation of the ball about its centre: across, along, normal to its track", parts="[]"
     )
-    closing: float | None = quantity_field("closing_mm_s", "speed at which the gap to the next ball closes", default=None)
-    sliding: FlankPairs | None = quantity_field(
-        "sliding_mm_s", "sliding speed at the contact's centre, across and along the groove", parts=".FLANK[]", default=None
+    closing: float | None = quantity_or_none("closing_mm_s", "speed at which the gap to the next ball closes")
+    sliding: FlankPairs | None = quantity_or_none(
+        "sliding_mm_s", "sliding speed at the contact's centre, across and along the groove", parts=".FLANK[]"
     )
-    spin: Flanks | None = quantity_field("spin_rad_s", "rotation about the contact's normal", parts=".FLANK", default=None)
-    force: FlankPairs | None = quantity_field(
-        "friction_N", "friction force on the ball, across and along the groove", parts=".FLANK[]", default=None
+    spin: Flanks | None = quantity_or_none("spin_rad_s", "rotation about the contact's normal", parts=".FLANK")
+    force: FlankPairs | None = quantity_or_none(
+        "friction_N", "friction force on the ball, across and along the groove", parts=".FLANK[]"
     )
-    moment: Flanks | None = quantity_field(
-        "moment_Nmm", "friction moment about the contact's normal", parts=".FLANK", default=None
-    )
-    loss: Flanks | None = quantity_field("loss_mW", "power lost in the contact", parts=".FLANK", default=None)
-    at_rest: Mapping[str, bool] | None = quantity_field(
-        "at_rest", "whether the contact sticks", parts=".FLANK", default=None
-    )
-    groove_loss: float | None = quantity_field("groove_loss_mW", default=None)
+    moment: Flanks | None = quantity_or_none("moment_Nmm", "friction moment about the contact's normal", parts=".FLANK")
+    loss: Flanks | None = quantity_or_none("loss_mW", "power lost in the contact", parts=".FLANK")
+    at_rest: Mapping[str, bool] | None = quantity_or_none("at_rest", "whether the contact sticks", parts=".FLANK")
+    groove_loss: float | None = quantity_or_none("groove_loss_mW")
     """Power lost in all contacts of the ball with its grooves [W]."""
-    status: str | None = quantity_field("status", default=None)
+    status: str | None = quantity_or_none("status")
     """How its motion was found, "failed" if it was not."""
 
 
@@ -289,8 +288,8 @@ class FlankLosses:
     sliding_across: float = quantity_field("sliding_across", "share of the power by sliding across the groove [W]")
     sliding_along: float = quantity_field("sliding_along", "share of the power by sliding along the groove [W]")
     spin: float = quantity_field("spin", "share of the power by spin [W]")
-    curved: float | None = quantity_field(
-        "with_curvature_W", "power lost if the contacts are curved across the groove", optional=True, default=None
+    curved: float | None = quantity_or_none(
+        "with_curvature_W", "power lost if the contacts are curved across the groove", optional=True
     )
     """Power lost in curved contacts [W]; nan if no motion of such contacts was found, None if it was not computed."""
 
@@ -332,120 +331,106 @@ class Friction(InOrderOfKeys, FrictionTorques, TabularRecord):
     """Title of the scene."""
     kind: str = quantity_field("kind")
     """Kind of the scene, such as ball screw or bearing."""
-    model: str | None = quantity_field("model", default=None)
+    model: str | None = quantity_or_none("model")
     """Model that computed the contact loads."""
-    member: int | None = quantity_field("member", default=None)
+    member: int | None = quantity_or_none("member")
     """Number of the specimen; None without random errors."""
-    case: str | None = quantity_field("case", default=None)
+    case: str | None = quantity_or_none("case")
     """Name of the load case."""
-    share: float | None = quantity_field("share", default=None)
+    share: float | None = quantity_or_none("share")
     """Share of the load case in all revolutions of its duty cycle."""
     converged: bool = quantity_field("converged")
     """Whether a motion was found in which the contact loads and the friction forces balance."""
     reason: str = quantity_field("status")
     """The word "converged", or the reason why the computation did not converge."""
-    screw_coefficient: float | None = quantity_field(
-        "friction.screw", "coefficient of friction in the screw's groove", default=None
-    )
-    nut_coefficient: float | None = quantity_field(
-        "friction.nut", "coefficient of friction in the nut's groove", default=None
-    )
-    turns: str | None = quantity_field("motion.turns", "which part turns, such as screw or nut", default=None)
-    speed: float | None = quantity_field(
+    screw_coefficient: float | None = quantity_or_none("friction.screw", "coefficient of friction in the screw's groove")
+    nut_coefficient: float | None = quantity_or_none("friction.nut", "coefficient of friction in the nut's groove")
+    turns: str | None = quantity_or_none("motion.turns", "which part turns, such as screw or nut")
+    speed: float | None = quantity_or_none(
         "motion.speed_rad_s",
         "speed of the part that turns",
         QuantityDescription("speed_rpm", show=lambda speed: speed and abs(speed)),
-        default=None,
     )
-    law: str | None = quantity_field("law", default=None)
+    law: str | None = quantity_or_none("law")
     """Name of the law of friction."""
-    coupled: bool | None = quantity_field("coupled", default=None)
+    coupled: bool | None = quantity_or_none("coupled")
     """Whether friction changes the contact loads."""
-    loss: float | None = quantity_field(
+    loss: float | None = quantity_or_none(
         "losses.total_W",
         "power lost in all contacts",
         QuantityDescription("energy.loss_W", "power lost in all contacts"),
         heading="power lost",
         form="g3",
         note="at {speed_rpm} rpm",
-        default=None,
     )
     by_contact: tuple[FlankLosses, ...] = quantity_field("losses.by_contact_W", default=())
     """Power lost on each flank; of a shaft, of each nut and ball bearing."""
-    loss_between_balls: float | None = quantity_field("losses.between_balls_W", "power lost between balls", default=None)
-    slip: float | None = quantity_field(
-        "losses.heathcote_percent", "change of the power by Heathcote slip", show=fraction_in_percent, default=None
+    loss_between_balls: float | None = quantity_or_none("losses.between_balls_W", "power lost between balls")
+    slip: float | None = quantity_or_none(
+        "losses.heathcote_percent", "change of the power by Heathcote slip", show=fraction_in_percent
     )
     """Power lost in contacts that are curved over that in flat contacts, less 1; nan if one of them is not known."""
-    input_power: float | None = quantity_field(
-        "energy.input_power_W", "power that the contacts take from screw and nut", default=None
+    input_power: float | None = quantity_or_none("energy.input_power_W", "power that the contacts take from screw and nut")
+    power_balance: float | None = quantity_or_none(
+        "energy.balance_W", "error of the balance: power that the contacts take, less the power lost"
     )
-    power_balance: float | None = quantity_field(
-        "energy.balance_W", "error of the balance: power that the contacts take, less the power lost", default=None
-    )
-    power_balance_percent: float | None = quantity_field("energy.balance_percent", default=None)
+    power_balance_percent: float | None = quantity_or_none("energy.balance_percent")
     """Error of the balance [% of the power lost]; None if that power is round-off."""
-    load_power: float | None = quantity_field("energy.axial_load_power_W", "power of the axial load", default=None)
-    torque_power: float | None = quantity_field("energy.torque_power_W", "power of the driving torque", default=None)
-    power_efficiency: float | None = quantity_field(
+    load_power: float | None = quantity_or_none("energy.axial_load_power_W", "power of the axial load")
+    torque_power: float | None = quantity_or_none("energy.torque_power_W", "power of the driving torque")
+    power_efficiency: float | None = quantity_or_none(
         "energy.efficiency_percent",
         "power that leaves by torque or axial load, divided by the power that enters by the other",
-        default=None,
     )
-    torque_without_feedback: float | None = quantity_field(
-        "feedback.friction_torque_without_Nmm",
-        "friction torque if friction did not move the balls in their grooves",
-        default=None,
+    torque_without_feedback: float | None = quantity_or_none(
+        "feedback.friction_torque_without_Nmm", "friction torque if friction did not move the balls in their grooves"
     )
-    unsettled_balls: int | None = quantity_field(
-        "feedback.unsettled_balls", "number of balls whose friction and position do not agree", default=None
+    unsettled_balls: int | None = quantity_or_none(
+        "feedback.unsettled_balls", "number of balls whose friction and position do not agree"
     )
-    axial_friction: float | None = quantity_field(
-        "feedback.axial_friction_on_screw_N", "force of friction on the screw along its axis", default=None
+    axial_friction: float | None = quantity_or_none(
+        "feedback.axial_friction_on_screw_N", "force of friction on the screw along its axis"
     )
-    touching: BallsTouching | None = quantity_field("feedback.balls_touching", default=None)
+    touching: BallsTouching | None = quantity_or_none("feedback.balls_touching")
     """Forces between touching balls; None if they are not computed."""
-    friction_over_load: float | None = quantity_field(
+    friction_over_load: float | None = quantity_or_none(
         "feedback.friction_over_load",
         "largest ratio of the friction on a ball across its groove to the largest load of this ball",
-        default=None,
     )
-    residual: float | None = quantity_field(
-        "solver.static_residual", "residual of the static equilibrium with friction forces", default=None
+    residual: float | None = quantity_or_none(
+        "solver.static_residual", "residual of the static equilibrium with friction forces"
     )
-    imbalance: float | None = quantity_field(
-        "solver.friction_imbalance",
-        "largest unbalanced force on a ball, friction included, divided by its load",
-        default=None,
+    imbalance: float | None = quantity_or_none(
+        "solver.friction_imbalance", "largest unbalanced force on a ball, friction included, divided by its load"
     )
-    change: float | None = quantity_field(
-        "solver.feedback_change", "change of the loads by friction in the last iteration", default=None
+    change: float | None = quantity_or_none(
+        "solver.feedback_change", "change of the loads by friction in the last iteration"
     )
-    jammed_balls: tuple[int, ...] | None = quantity_field("solver.second_states", default=None)
+    jammed_balls: tuple[int, ...] | None = quantity_or_none("solver.second_states")
     """Numbers of the balls that have a second, jammed state; None if it was not searched for."""
     balls: tuple[FrictionBall, ...] = quantity_field("balls", show=rows_as_json, default=())
     """Motion and friction of each ball; empty if the scene has load cases, or if its kind has no results for each ball."""
-    sets: tuple[FrictionOfSet, ...] | None = quantity_field("sets", show=rows_as_json, default=None)
+    sets: tuple[FrictionOfSet, ...] | None = quantity_or_none("sets", show=rows_as_json)
     """Friction of each nut and ball bearing on a shaft."""
-    drive: AxisDrive | None = quantity_field("drive", default=None)
+    drive: AxisDrive | None = quantity_or_none("drive")
     """Torques and moments of inertia at the motor of a feed axis."""
-    band: FrictionBand | None = quantity_field("band", default=None)
+    band: FrictionBand | None = quantity_or_none("band")
     """Torques over the range of measured coefficients of friction, and drag torque by the makers' formula; None without."""
-    onset: FrictionOnset | None = quantity_field("onset", default=None)
+    onset: FrictionOnset | None = quantity_or_none("onset")
     """Prediction whether neighbouring balls come into contact; None if balls overlap or do not fit into their circuits,
     and for several nuts or bearings on one shaft."""
-    play: FrictionPlay | None = quantity_field("play", default=None)
+    play: FrictionPlay | None = quantity_or_none("play")
     """Effect of axial play; None if the scene states preload or play."""
-    drag_unknown: str | None = quantity_field("drag_unknown", default=None)
+    drag_unknown: str | None = quantity_or_none("drag_unknown")
     """Reason why no drag torque is known; None if it is known."""
-    drag_note: str | None = quantity_field("drag_note", default=None)
+    drag_note: str | None = quantity_or_none("drag_note")
     """Remark on the drag torque; None without."""
     over: tuple[FrictionAtCoefficients, ...] = quantity_field("over_friction", show=rows_as_json, default=())
     """Torques for each of the coefficients of friction that were asked for."""
     roller_torques: tuple[FrictionOfRollers, ...] = quantity_field("roller_torques", show=rows_as_json, default=())
     """Friction torques of the rows of tapered rollers on a shaft."""
-    run: TransientRun | None = quantity_field(
-        "run", show=lambda run: None if run is None else transient_simulation_as_json(run), default=None
+    run: TransientRun | None = quantity_or_none(
+        "run", show=lambda run: None if run is None else transient_simulation_as_json(run)
     )
     """Simulation over time; None if the scene has no table [time]."""
     assumed: tuple[str, ...] = quantity_field("assumed", default=())
@@ -458,7 +443,7 @@ class Friction(InOrderOfKeys, FrictionTorques, TabularRecord):
         "cases", show=lambda cases: rows_as_json(cases.values()), default_factory=dict
     )
     """Friction in each load case, by name; empty without load cases."""
-    together: FrictionCases | None = quantity_field("summary", default=None)
+    together: FrictionCases | None = quantity_or_none("summary")
     """Largest and mean friction torque over all load cases; None without load cases."""
 
     @property

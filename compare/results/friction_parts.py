@@ -11,7 +11,7 @@ from rollbench.compare.models.friction_torques import fraction_in_percent
 from rollbench.compare.quantities import json_number
 from rollbench.compare.results.friction import Friction
 from rollbench.compare.results.friction_run import TransientRun, step_error_as_json, transient_simulation_as_json
-from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, quantity_or_none, result_record
 
 
 @result_record(kw_only=True)
@@ -20,16 +20,15 @@ class BallPair:
 
     balls: str = quantity_field("balls")
     """Numbers of the two balls."""
-    gap: float | None = quantity_field("gap_um", "gap between two neighbouring balls", optional=True, default=None)
+    gap: float | None = quantity_or_none("gap_um", "gap between two neighbouring balls", optional=True)
     """Gap between the balls [m]."""
     force: float = quantity_field("force_N", "force of one ball on its neighbour")
     """Force of one ball on the other [N]."""
-    loss: float | None = quantity_field("loss_mW", "power lost between two neighbouring balls", optional=True, default=None)
-    closing_apart: float | None = quantity_field(
+    loss: float | None = quantity_or_none("loss_mW", "power lost between two neighbouring balls", optional=True)
+    closing_apart: float | None = quantity_or_none(
         "closing_apart_rad_s",
         "speed at which the azimuths of two balls of a screw that do not touch approach each other",
         optional=True,
-        default=None,
     )
 
 
@@ -37,9 +36,9 @@ class BallPair:
 class FrictionOfNeighbours(Friction):
     """Friction of balls in a row that touch, compared with the same balls far apart."""
 
-    hertz: str | None = quantity_field("hertz", default=None)
+    hertz: str | None = quantity_or_none("hertz")
     """Which Hertz constants the contacts have, as in the scene file."""
-    coupling: str | None = quantity_field("coupling", default=None)
+    coupling: str | None = quantity_or_none("coupling")
     """Balance of loads that includes friction, as in the scene file."""
     pairs: tuple[BallPair, ...] = quantity_field("pairs")
     """Contacts of neighbouring balls."""
@@ -153,9 +152,9 @@ class FrictionOfTwoBearings(Friction):
     """Whether the inner ring can tilt."""
     load_angle: Sequence[float] = quantity_field("load_angle_deg")
     """Angles of the force [rad]."""
-    four_point: TorquesOfBearing | None = quantity_field("four_point", default=None)
+    four_point: TorquesOfBearing | None = quantity_or_none("four_point")
     """Friction torques of the four-point bearing; None without equilibrium."""
-    double_row: TorquesOfBearing | None = quantity_field("double_row", default=None)
+    double_row: TorquesOfBearing | None = quantity_or_none("double_row")
     """Friction torques of the double-row bearing; None without equilibrium."""
     ratio: Sequence[float | None] = quantity_field(
         "four_over_double",
@@ -163,8 +162,8 @@ class FrictionOfTwoBearings(Friction):
         parts="[]",
         default=(),
     )
-    load_imbalance: float | None = quantity_field(
-        "solver.load_imbalance_N", "largest unbalanced force of the contact loads", default=None
+    load_imbalance: float | None = quantity_or_none(
+        "solver.load_imbalance_N", "largest unbalanced force of the contact loads"
     )
 
 

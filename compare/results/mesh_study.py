@@ -11,7 +11,7 @@ import numpy as np
 from rollbench.compare.measure import error_percent
 from rollbench.compare.quantities import record_as_json
 from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version, values_in_words
-from rollbench.meshes.quantity import quantity_field, result_record
+from rollbench.meshes.quantity import quantity_field, quantity_or_none, result_record
 from rollbench.reports.content import Figure, Panel, Series
 
 
@@ -27,13 +27,13 @@ class MeshLevel:
     """Number of unknowns (displacements of nodes) of the whole mesh."""
     seconds: float = quantity_field("seconds")
     """Computing time of the 3D reference on this mesh level, set-up and solution without cached parts [s]."""
-    measured_with: str | None = quantity_field("measured_with", optional=True, default=None)
+    measured_with: str | None = quantity_or_none("measured_with", optional=True)
     """Under which conditions the time was measured; None for a single roller."""
-    cells: int | None = quantity_field("cells", optional=True, default=None)
+    cells: int | None = quantity_or_none("cells", optional=True)
     """Number of cells of the meshes of a single roller and its races; None for whole scenes."""
-    cpu_seconds: float | None = quantity_field("cpu_seconds", optional=True, default=None)
+    cpu_seconds: float | None = quantity_or_none("cpu_seconds", optional=True)
     """Processor time of a single roller [s]; None for whole scenes."""
-    imbalance: float | None = quantity_field("imbalance_percent", optional=True, default=None)
+    imbalance: float | None = quantity_or_none("imbalance_percent", optional=True)
     """Difference between load and contact pressure of a single roller [% of the load]; None for whole scenes."""
     difference: float = quantity_field("difference_percent")
     """Largest difference of a contact load from the finest level [% of the mean contact load]. For a single roller in 3D:

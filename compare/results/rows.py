@@ -117,7 +117,8 @@ def record_rows(
     for key, record in sorted(records.items(), key=lambda one: ORDER.index(one[0])):
         if record is not None and not (isinstance(record, Preload) and not record.contacts):
             found += group_rows(record, "" if key == "rigidities" else key, expected_error, mean, details=details)
-        found += [row for part in parts for row in _missing_value_rows(key, part)]
+        missing = (row for part in parts for row in _missing_value_rows(key, part))
+        found += dict.fromkeys(missing)  # each once: a nut and its scene lack the same
     return found
 
 

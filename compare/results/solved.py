@@ -47,7 +47,7 @@ from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, quantity_or_none, result_record, text_or_none
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.estimate import Reference
@@ -92,14 +92,13 @@ class AxialResults:
         "axial force on the screw, from the external loads and the reactions; positive towards larger z",
         heading="axial force",
     )
-    stiffness_over_load_step: float | None = quantity_field(
+    stiffness_over_load_step: float | None = quantity_or_none(
         "stepped_N_per_um",
         "stiffness by the model liu over the load step `ingredients.load_step`, at the first loaded ball (Liu, equations "
         "19 to 22)",
         error="not known: the model has not been compared with the 3D reference",
         heading="rigidity over the load step",
         optional=True,
-        default=None,
     )
 
 
@@ -139,33 +138,32 @@ class Result(TabularRecord, Balls):
     """Solution of the model with status, warnings, equilibrium and centreline; the contact loads are those of `sets`."""
     sets: Mapping[str, SetResult] = field(default_factory=dict)
     """Results of each nut or bearing, by name; the name of the only one of a scene is empty."""
-    axial: AxialResults | None = quantity_field("axial", default=None)
+    axial: AxialResults | None = quantity_or_none("axial")
     """Axial force of the screw on the nut [N]; with several nuts or bearings on one shaft, the sum of the axial loads on
     shaft and housings."""
-    load_point: LoadPointStiffness | None = quantity_field("load_point", default=None)
+    load_point: LoadPointStiffness | None = quantity_or_none("load_point")
     """Displacement [m] and stiffness [N/m] of the point on which the load acts, to ground: shaft and supports included."""
-    tangent_words: str = quantity_field("tangent_words", show=lambda words: words or None, default="")
+    tangent_words: str = text_or_none("tangent_words")
     """Why there is no tangent stiffness; empty if there is one, or if the model never gives one."""
-    displacement: Array | None = quantity_field(
+    displacement: Array | None = quantity_or_none(
         "displacement",
         "displacement and rotation, from the scene without loads, of the section or housing on which the load acts",
         show=lambda moved: None if moved is None else motion_in_um_and_mrad(moved),
         parts=".*",
-        default=None,
     )
     """Displacement of the screw's cross-section or housing on which the load acts from its unloaded position, (6,)
     [m, rad], in the degrees of freedom ux, uy, uz, rx, ry, rz; without a force, at the nut's centre or ``stiffness_at``."""
     tangent: TangentStiffness | None = None
     """Tangent stiffness of the screw's cross-section at the nut's centre, or at ``stiffness_at``, with the nut fixed; None
     with several nuts or bearings on one shaft, and if it is not computed."""
-    shaft: ShaftLimits | None = quantity_field("shaft", default=None)
+    shaft: ShaftLimits | None = quantity_or_none("shaft")
     """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of the screw, of several nuts that of the one with
     the lowest allowed speed; None without a nut, and if no bearing holds the shaft laterally."""
-    load_path: LoadPath | None = quantity_field("load_path", default=None)
+    load_path: LoadPath | None = quantity_or_none("load_path")
     """How the supports and the contacts share the loads of the scene; None without loads."""
-    drive: AxisDrive | None = quantity_field("drive", default=None)
+    drive: AxisDrive | None = quantity_or_none("drive")
     """Torques [N m] and moments of inertia [kg m^2] at the motor of an axis; None for a single nut or bearing."""
-    axis_life: SystemLife | None = quantity_field("axis_life", default=None)
+    axis_life: SystemLife | None = quantity_or_none("axis_life")
     """Life of all nuts and bearings of a shaft as one system, under all load cases; None for a single nut or bearing."""
     expected_error: ExpectedError | None = None
     """Error to expect of the model's results, or why it is not known; None with load cases: see each of `cases`."""

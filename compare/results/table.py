@@ -14,7 +14,7 @@ from rollbench.compare.quantities import quantities_of_record, record_as_json
 from rollbench.compare.results.base import JSON, TabularRecord, add_schema_version, single_values, values_in_words
 from rollbench.meshes.arrays import Array, RecordWithArrays
 from rollbench.meshes.parts import FREEDOMS
-from rollbench.meshes.quantity import quantity_field, result_record
+from rollbench.meshes.quantity import quantity_field, quantity_or_none, result_record
 from rollbench.reports.content import Figure, Panel, Series
 
 #: Status of a row with an equilibrium.
@@ -55,55 +55,45 @@ class TableRow(NutAndLoadPoint, RecordWithArrays):
 
     status: str = quantity_field("status")
     """The word "converged", or the reason why there is no equilibrium."""
-    stiffness: Array | None = quantity_field(
+    stiffness: Array | None = quantity_or_none(
         "stiffness",
         "row by row: change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] of the body that "
         "`stiffness_of` names, at the axial position `station_mm`, or if that is null at the centre of the nut or bearing; "
         "for a whole shaft, at the position that the scene states",
         parts="[][]",
-        default=None,
     )
-    load: float | None = quantity_field(
-        "largest_load_N", "largest contact load", error="`expected_error_percent.load`, of the mean load", default=None
+    load: float | None = quantity_or_none(
+        "largest_load_N", "largest contact load", error="`expected_error_percent.load`, of the mean load"
     )
-    preload: float | None = quantity_field(
+    preload: float | None = quantity_or_none(
         "preload_N",
         "axial force between the two pairs of groove flanks without the scene's external loads",
         error="that of the loads",
-        default=None,
     )
-    pressure: float | None = quantity_field(
-        "largest_pressure_MPa",
-        "largest Hertz pressure",
-        error="`expected_error_percent.pressure`",
-        heading="pressure",
-        default=None,
+    pressure: float | None = quantity_or_none(
+        "largest_pressure_MPa", "largest Hertz pressure", error="`expected_error_percent.pressure`", heading="pressure"
     )
-    life: float | None = quantity_field(
+    life: float | None = quantity_or_none(
         "life_million_revolutions",
         "life by the contact loads, L10 of a nut, L10r of a bearing",
         error="about three times that of the loads",
         heading="life by the contact loads",
-        default=None,
     )
-    load_error: float | None = quantity_field(
-        "expected_error_percent.load",
-        "expected error of the worst contact load, in per cent of the mean load",
-        default=None,
+    load_error: float | None = quantity_or_none(
+        "expected_error_percent.load", "expected error of the worst contact load, in per cent of the mean load"
     )
-    rms_error: float | None = quantity_field(
+    rms_error: float | None = quantity_or_none(
         "expected_error_percent.rms_load",
         "expected root mean square error of the contact loads, in per cent of the mean load",
-        default=None,
     )
-    displacement_error: float | None = quantity_field(
-        "expected_error_percent.displacement", "expected error of the displacement of the load's point", default=None
+    displacement_error: float | None = quantity_or_none(
+        "expected_error_percent.displacement", "expected error of the displacement of the load's point"
     )
-    rigidity_error: float | None = quantity_field(
-        "expected_error_percent.rigidity", "expected error of the tangent of the load's point", default=None
+    rigidity_error: float | None = quantity_or_none(
+        "expected_error_percent.rigidity", "expected error of the tangent of the load's point"
     )
-    pressure_error: float | None = quantity_field(
-        "expected_error_percent.pressure", "expected error of the largest pressure", default=None
+    pressure_error: float | None = quantity_or_none(
+        "expected_error_percent.pressure", "expected error of the largest pressure"
     )
     error_words: str = quantity_field("expected_error_words", default="")
     """Reason why the expected errors are not known; empty if they are known."""

@@ -55,7 +55,7 @@ from rollbench.lowfi.rollers import TaperedBearing, tapered_bearing_of_row
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.numerics import brentq
-from rollbench.meshes.quantity import quantity_field, result_record
+from rollbench.meshes.quantity import quantity_field, result_record, text_or_none
 
 # double-exponential quadrature on (0, 1), because at the end of the load zone the load is a fractional power of the angle
 _T = np.arange(-3.6, 3.6001, 0.03)
@@ -251,7 +251,7 @@ class RibContact:
     #: Height of the rib contact above the cone's race [m].
     height: float = quantity_field("height_mm", "height of the rib's contact above the cone's race, as given or assumed")
     #: Text that names assumptions and missing data of the rib contact.
-    words: str = quantity_field("words", "what is assumed or not known", show=lambda words: words or None, default="")
+    words: str = text_or_none("words", "what is assumed or not known")
 
 
 def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:

@@ -46,7 +46,7 @@ from rollbench.lowfi.bearings import tapered_roller
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import Lubricant
-from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record, text_or_none
 
 #: Range of a quantity: its lowest and highest value, in SI units.
 Band = tuple[float, float]
@@ -382,7 +382,7 @@ class RollerBearingTorque:
         error="empirical; of thrust alone",
     )
     #: Text on assumptions and missing data of the torque.
-    words: str = quantity_field("words", "what is assumed or missing", show=lambda words: words or None, default="")
+    words: str = text_or_none("words", "what is assumed or missing")
 
     @property
     @QuantityDescription(
