@@ -179,8 +179,8 @@ def solve_random_draws_of_scene(
     InputError
         If the model is unknown, the number out of range, or the scene has no random errors or no equilibrium without them.
     """
-    _check_ensemble_request(scene, model, count)
     model = model or default_model_name(scene)
+    _check_ensemble_request(scene, model, count)
     bare = run_model(ensemble.without_random_errors(scene), model, ModelOptions(estimate_beam_mesh_error=False))
     nominal = ensemble.contact_loads_of_all_balls(bare)
     if not bare.converged or not nominal.max(initial=0.0) > 0.0:

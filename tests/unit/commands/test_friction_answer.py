@@ -10,7 +10,7 @@ from tests.feed_drive import MINE, answer, mine
 from tests.helpers import ALL_BUT_AXIAL, small_screw
 
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.friction.solve import solve_friction_of_scene
+from rollbench.compare.studies.friction.solve import solve_friction_of_named_scene, solve_friction_of_scene
 from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.compare.text.friction import friction_tables
 from rollbench.lowfi.friction.whole import feedback as ball_feedback
