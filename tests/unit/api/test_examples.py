@@ -10,10 +10,8 @@ import pytest
 from rollbench.compare.examples import catalogue_page, judge_a_spreadsheet
 
 
-def test_a_catalogue_page_gives_stiffness_and_pressure(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_catalogue_page_is_solved() -> None:
     assert catalogue_page.main().converged
-    out = capsys.readouterr().out
-    assert all(unit in out for unit in (" um, ", " N/um\n", " MPa, ", " N a contact\n"))
 
 
 @pytest.mark.parametrize(("factor", "word"), [(1.08, "fail"), (1.0, "pass")])

@@ -40,25 +40,17 @@ def test_a_reader_who_goes_away_is_told_by_the_code(words):
 def test_nothing_of_a_machine_stands_in_what_is_written(command, tmp_path, monkeypatch):
     """Neither a path nor the machine's name, in no file and in no name of one: files are committed and passed on."""
     monkeypatch.setattr("platform.node", lambda: "my-machine")
-    scene, over = tmp_path / "my.toml", "errors.balls.oversize=1:9000:2 um"  # the second is refused
-    command("new", tmp_path / "new.toml", "--kind", "axis")
-    scene.write_text(catalogue.shipped_scene_text("two-balls"), encoding="utf-8")
-    command("solve", scene, "--model", "lin", "--loads-csv", tmp_path / "loads.csv")
-    command("table", scene, "--model", "lin", "--quantities", "load", "--over", over, "--out", tmp_path / "t.json")
-    command(
-        "sweep",
-        scene,
-        "--vary",
-        "errors.balls.oversize=1:7 um",
-        "--samples",
-        "2",
-        "--model",
-        "lin",
-        "--out",
-        tmp_path / "sweep",
-    )
-    command("export", scene, "--format", "json", "--out", tmp_path / "s.json")
-    command("check", scene, "--loads", tmp_path / "loads.csv", "--no-compute", "--markdown", tmp_path / "g.md")
+    (tmp_path / "my.toml").write_text(catalogue.shipped_scene_text("two-balls"), encoding="utf-8")
+    lin, over = f"{tmp_path}/my.toml --model lin", "errors.balls.oversize"
+    for line in (
+        f"new {tmp_path}/new.toml --kind axis",
+        f"solve {lin} --loads-csv {tmp_path}/loads.csv",
+        f"table {lin} --quantities load --over {over}=1:9000:2um --out {tmp_path}/t.json",  # the second is refused
+        f"sweep {lin} --vary {over}=1:7um --samples 2 --out {tmp_path}/sweep",
+        f"export {tmp_path}/my.toml --format json --out {tmp_path}/s.json",
+        f"check {tmp_path}/my.toml --loads {tmp_path}/loads.csv --no-compute --markdown {tmp_path}/g.md",
+    ):
+        command(*line.split())
     found = {path: str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*")}
     texts = {name: name + path.read_text(encoding="utf-8") for path, name in found.items() if path.is_file()}
     assert {"new.toml", "t.json", "sweep/summary.json", "s.json", "g.md"} <= texts.keys()

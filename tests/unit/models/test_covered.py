@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.helpers import small_screw
+from tests.helpers import ALL_BUT_AXIAL, small_screw
 
 from rollbench.compare.models import model_form
 from rollbench.compare.models.model import ModelOptions
@@ -63,7 +63,7 @@ def test_steels_and_balls_of_silicon_nitride_are_covered() -> None:
 
 
 def test_a_shaft_more_slender_than_the_compared_ones_is_not_covered() -> None:
-    held = Support(0.0, tuple((k, 0.0) for k in ("ux", "uy", "rx", "ry", "rz")))
+    held = Support(0.0, ALL_BUT_AXIAL)
 
     def of_length(length: float):
         screw, end = replace(SCENE.screw, length=length), Support(length, (("ux", 0.0), ("uy", 0.0)))
@@ -75,13 +75,7 @@ def test_a_shaft_more_slender_than_the_compared_ones_is_not_covered() -> None:
 
 def test_a_shaft_near_buckling_is_not_covered() -> None:
     """Compared shafts are compressed by up to 0.24 of their buckling load; this one carries 0.15 and 0.6 of it."""
-    slim = replace(
-        SCENE,
-        supports=(
-            Support(0.0, tuple((k, 0.0) for k in ("ux", "uy", "rx", "ry", "rz"))),
-            Support(0.4, (("ux", 0.0), ("uy", 0.0))),
-        ),
-    )
+    slim = replace(SCENE, supports=(Support(0.0, ALL_BUT_AXIAL), Support(0.4, ALL_BUT_AXIAL[:2])))
     result = solved(slim)
     limits = shaft_limits(slim, result)
     assert limits.compression < 0.25 * limits.buckling
