@@ -74,9 +74,7 @@ class ThrustAndRadialState:
     roller_loads: Array
     #: Derivatives of the axial and radial force with respect to the axial and radial displacement ``(2, 2)`` [N/m].
     stiffness: Array
-    #: Largest unbalanced force on the inner ring, as a fraction of the thrust.
-    residual: float
-    #: Whether the ``residual`` is below 1e-9.
+    #: Whether the largest unbalanced force on the inner ring is below 1e-9 of the thrust.
     converged: bool
 
 
@@ -132,39 +130,20 @@ def solve_thrust_and_radial_equilibrium(bearing: TaperedBearing, axial: float, r
     """
     start = solve_by_smith_load_zone(bearing, axial, radial)
     force, x = np.array([axial, radial]), np.array([start.axial_displacement, start.radial_displacement])
+
+    def potential(at: Array) -> float:
+        try:
+            return strain_energy_and_derivatives(bearing, at)[0] - float(force @ at)
+        except ValueError:  # too large for Hertz's line contact
+            return np.inf
+
     for _ in range(100):
         energy, inner, slope, loads = strain_energy_and_derivatives(bearing, x)
         off = inner - force
         if np.abs(off).max() <= 1e-12 * axial:
             break
         # if only one roller is loaded, one direction has no stiffness: a small diagonal term keeps the step finite
-        step = -np.linalg.solve(slope + 1e-9 * np.trace(slope) * np.eye(2), off)
-        x = x + _largest_descending_step(bearing, x, step, energy - float(force @ x), force) * step
-    residual = float(np.abs(off).max() / axial)
-    return ThrustAndRadialState(float(x[0]), float(x[1]), loads, slope, residual, residual < 1e-9)
-
-
-def _largest_descending_step(bearing: TaperedBearing, start: Array, step: Array, energy: float, force: Array) -> float:
-    """Return the largest fraction 1, 1/2, 1/4, ... of a Newton step that does not increase the bearing's potential energy.
-
-    Round-off is tolerated. ``start``, ``step``: displacement and Newton step, axial and radial ``(2,)`` [m];
-    ``energy``: potential energy at ``start`` [J]; ``force``: external axial and radial force ``(2,)`` [N].
-    """
-    fraction = 1.0
-    while fraction > 1e-6:
-        trial = start + fraction * step
-        if _elastic_energy(bearing, trial) - float(force @ trial) <= energy + 1e-14 * abs(energy):
-            return fraction
-        fraction *= 0.5
-    return fraction
-
-
-def _elastic_energy(bearing: TaperedBearing, x: Array) -> float:
-    """Return the strain energy of the bearing [J]; infinite if the displacement is too large for Hertz's line contact.
-
-    ``x``: axial and radial displacement of the inner ring ``(2,)`` [m].
-    """
-    try:
-        return strain_energy_and_derivatives(bearing, x)[0]
-    except ValueError:
-        return np.inf
+        step, now = -np.linalg.solve(slope + 1e-9 * np.trace(slope) * np.eye(2), off), energy - float(force @ x)
+        steps = (0.5**k * step for k in range(20))
+        x = x + next((one for one in steps if potential(x + one) <= now + 1e-14 * abs(now)), 1e-6 * step)
+    return ThrustAndRadialState(float(x[0]), float(x[1]), loads, slope, bool(np.abs(off).max() < 1e-9 * axial))

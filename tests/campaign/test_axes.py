@@ -2,9 +2,8 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
-from tests.axes import fixed_axis, one_set, solved
+from tests.axes import fixed_axis, solved
 from tests.campaign import check_axes, scenes
 from tests.campaign.__main__ import run_solve
 from tests.campaign.draw_axes import axis_text
@@ -12,9 +11,6 @@ from tests.campaign.draw_axes import axis_text
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import extremes
-from rollbench.lowfi.statics.axis.solve import solve_assembly
-from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes.parts import Scene
 
 #: Axes that were wrong or without an answer, by seed and number: what they are now, by what they needed.
 ONCE_BAD = {
@@ -91,23 +87,3 @@ def test_the_judge_sees_what_is_off_at_mounting():
         pushed = list(axis.housings)
         pushed[i] = replace(pushed[i], force=(0.0, 0.0, pushed[i].force[2] * (1.0 + 1e-6)))
         assert f"{name} is out of balance" in check_axes.faults(replace(axis, housings=tuple(pushed)), found)
-
-
-def test_a_scene_is_an_assembly_of_one_set():
-    """All extremes of the shipped table that an assembly can describe: nodes at the contacts, a beam."""
-    compared = 0
-    for case in extremes.hard_scenes():
-        scene = case.scene
-        if not isinstance(scene, Scene) or scene.ingredients.partition != "nodal" or scene.ingredients.screw != "beam":
-            continue
-        alone, found = solve_static(scene), solve_assembly(one_set(scene))
-        if not (alone.converged and found.converged and alone.load.max() > 0.0):
-            continue
-        apart = abs(found.sets[0].balls.load - alone.load).max() / alone.load.max()
-        bound = max(alone.solver.round_off_bound, found.solver.round_off_bound)
-        # the contact forces bend 6 m of shaft by far more than the sum of their motions: 2e-11; all others 1e-12
-        # axial motions are the contacts' over the sine of the contact angle: round-off is 1.0e-12 at 5 deg
-        exact = 5e-11 if scene.screw.length > 1.0 else 1e-12 * max(1.0, 0.5 / np.sin(scene.track.contact_angle))
-        assert apart <= max(exact, 10.0 * bound), (case.name, apart, bound)
-        compared += 1
-    assert compared >= 60

@@ -6,7 +6,6 @@ from tests import shipped_texts
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.registry import run_model
-from rollbench.compare.models.set_results import palmgren_load_torque
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.axis_file import preload_of_arrangement
 from rollbench.lowfi.bearings.angular_contact import BallBearing, bearing_with_contact_angle
@@ -71,14 +70,6 @@ def test_a_solved_set_carries_its_preload_as_the_rows_alone_do() -> None:
     alone = one.stiffness(one.deflection(total)) + 2.0 * one.stiffness(one.deflection(0.5 * total))
     assert sum(s.stiffness[2, 2] for s in result.sets) == pytest.approx(alone, rel=2e-3)
     assert alone / 1030e6 == pytest.approx(1.433, abs=0.01)
-
-
-def test_starting_torque_grows_with_the_thrust_to_the_power_four_thirds() -> None:
-    parts = changed().sets[0].parts
-    one, two = (palmgren_load_torque(parts, thrust) for thrust in (1000.0, -2000.0))
-    assert two.torque / one.torque == pytest.approx(2.0 ** (4 / 3), rel=1e-9)
-    assert one.torque == pytest.approx(one.factor * 1000.0 * 0.046)
-    assert one.factor == pytest.approx(0.0013 * np.cbrt(300.0 / one.static_rating))
 
 
 def test_a_rigidity_that_no_conformity_gives_is_refused() -> None:

@@ -1,7 +1,5 @@
 """What grooves and faces add to the compliance between contacts of a turn."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from tests.groove_patch import patch_self_motion
@@ -95,17 +93,6 @@ def test_a_lip_tilts_and_the_contact_leaves_it():
     result = run_model(drawn(6), "refined", ModelOptions(estimate_beam_mesh_error=False))
     assert np.degrees(result.contact_angle[[39, 38, 37], 2]) == pytest.approx([46.205, 46.433, 46.653], abs=0.12)
     assert result.load[39] == pytest.approx([50.18, 117.70, 116.04, 45.61], abs=1.0)
-
-
-@pytest.mark.parametrize("name", ["lin-case1", "unseen-40x10"])
-def test_both_faces_are_told_apart(name):
-    """A nut turned end for end has the same compliance, its balls and flanks turned with it."""
-    parts = scene(name)
-    layout, other = ball_layout(parts), replace(parts, solid=replace(parts.solid, nut_held="right face"))
-    here, turned = (between.groove_and_face_compliance(x, layout, False, REFINED) for x in (parts, other))
-    shape, sign = (2, layout.z.size, 2), np.array([1.0, -1.0])
-    back = turned.reshape(*shape, *shape)[::-1, ::-1, :, ::-1, ::-1] * sign * sign[:, None, None, None]
-    assert here.reshape(*shape, *shape) == pytest.approx(back, abs=1e-9 * np.abs(here).max())
 
 
 def test_short_lands_are_softer():

@@ -103,16 +103,3 @@ def test_loads_are_in_equilibrium():
     np.testing.assert_allclose(diagonal, linear_bearing.loads_in_equilibrium(flat, 100.0, rho), atol=1e-11)
     np.testing.assert_allclose(stiff[0], balanced, rtol=1e-4)
     np.testing.assert_allclose(stiff[1], angles, atol=1e-5)
-
-
-def test_mated_grooves_take_the_dependence_on_load_away():
-    """Rule of 3.3.4.2 on the formula: any bottom groove, any loads."""
-    rng = np.random.default_rng(3)
-    bottom = rng.uniform(-0.05, 0.05, (20, 2))
-    turn = np.concatenate([bottom, bottom], axis=1)
-    up, down = rng.uniform(1.0, 100.0, (2, 20))
-    np.testing.assert_allclose(linear_bearing.relative_velocity_deviation(0.7, turn, up, down), 0.0, atol=1e-17)
-    mated = linear_bearing.contact_angle_deviations(np.array(0.02), mated=True)
-    np.testing.assert_array_equal(mated, [-0.02, 0.02, -0.02, 0.02])
-    assert chain.pair_results_by_formulas(BEARING, 0.03, -0.6, 100.0, 1.4, mated=True)[:2] == (0.0, 0.0)
-    assert chain.pair_results_by_formulas(BEARING, 0.03, -0.6, 100.0, 1.4)[1] > 1.0

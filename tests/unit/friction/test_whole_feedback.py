@@ -14,9 +14,9 @@ from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies import survey
 from rollbench.lowfi.friction.together import solve_alone
 from rollbench.lowfi.friction.whole.feedback import DisplacedBalls, positions_in_grooves, solve_friction_equilibria
-from rollbench.lowfi.friction.whole.losses import BallsUnderLoad, ball_friction
+from rollbench.lowfi.friction.whole.losses import BallsUnderLoad
 from rollbench.lowfi.friction.whole.state import FrictionCase, friction_state, friction_states
-from rollbench.lowfi.friction.whole.torque import axial_forces_and_moments, sum_friction_over_contacts
+from rollbench.lowfi.friction.whole.torque import sum_friction_over_contacts
 from rollbench.meshes.parts import Friction, Motion
 
 
@@ -28,36 +28,6 @@ def without_friction(groove, oversize, load):
     """Contacts of one ball at its loads without friction."""
     bare = coupled_ball(ball_cell(replace(groove, mu=0.0), np.zeros(4), oversize, "z", np.array([load])), "none")
     return single(bare.loads_with_friction.force[0], bare.loads_with_friction.angle[0], groove)
-
-
-def coupled(mu, load):
-    """A ball whose loads know of its friction: contacts, power lost, torque that drives the screw by sums in space."""
-    groove = groove_with(mu)
-    held = coupled_ball(ball_cell(groove, np.zeros(4), 2e-6, "z", np.array([load])), "ball and screw")
-    load_on, angle = held.loads_with_friction.force[0], held.loads_with_friction.angle[0]
-    at, scene = single(load_on, angle, groove), scene_of(groove)
-    assert held.converged
-    found = ball_friction(BallsUnderLoad(scene, at, Friction(mu, mu), Motion(5.0)))
-    total = found.contact_wrenches(at.normals)
-    total[..., :3] -= at.force[..., None] * at.normals
-    axial, moment = axial_forces_and_moments(at, total)
-    return found.total_power_lost, float(axial[0, :2].sum()), float(moment[0, :2].sum()), scene
-
-
-def test_torque_by_virtual_work_is_exact_with_feedback_and_of_first_order_without():
-    load, ratio, left = 50.0, 20e-3 / (2.0 * np.pi), []
-    for mu in (0.01, 0.005, 0.0025):
-        power, axial, moment, scene = coupled(mu, load)
-        assert axial == pytest.approx(load, rel=1e-8), "on the balls: what the load presses with, friction included"
-        assert moment == pytest.approx(power / 5.0 - ratio * load, rel=1e-8), "T Omega + F r Omega = P"
-        at = without_friction(screw_groove(), 2e-6, load)
-        alone = ball_friction(BallsUnderLoad(scene, at, Friction(mu, mu), Motion(5.0)))
-        first = sum_friction_over_contacts(scene, at, alone, Motion(5.0))
-        assert first.axial_load == pytest.approx(load, rel=1e-8)
-        left.append(abs(first.driving_torque_on_screw - moment))
-    assert left[0] > 0.0
-    assert 3.0 < left[0] / left[1] < 5.0, "the error falls with the square of the coefficient"
-    assert 3.0 < left[1] / left[2] < 5.0
 
 
 def fed(groove, load, oversize, mu, drive):

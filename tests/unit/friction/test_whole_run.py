@@ -9,16 +9,9 @@ from scipy.interpolate import CubicSpline
 from tests import whole_screws
 from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
 from tests.helpers import small_screw, solved
-from tests.whole_screws import contacts_in, scene_of
 
-from rollbench.compare.cases.lin.evidence.source_cases import simulation_inputs
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
-from rollbench.lowfi.friction.screw.chain import screw_ball_chain, solve_motion_of_chain
-from rollbench.lowfi.friction.screw.motion import solve_screw_contact_loads
-from rollbench.lowfi.friction.screw.run import balls_at_instant
 from rollbench.lowfi.friction.screw.travel import simulate
-from rollbench.lowfi.friction.together import solve_alone
-from rollbench.lowfi.friction.whole.circuit import grooves_of_scene, search_motion_on_track
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.statics.nominal import contact_loads
 from rollbench.lowfi.statics.static import solve_elastic, solve_static
@@ -118,25 +111,6 @@ def test_sizes_belong_to_balls_and_errors_to_places():
         wave = np.cos(azimuth) * 2e-6 + np.sin(azimuth) * 1e-6
         assert abs(np.corrcoef(wave, of_balls)[0, 1]) > 0.5
     assert len(set(load.argmax(axis=1))) > 1
-
-
-@pytest.mark.parametrize("clearance", [0.0, 1e-3])
-def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
-    """The situation of Lin 3.4.4 at one instant: 37 balls, both grooves alike, neighbours that may touch."""
-    case = simulation_inputs()
-    g, azimuth = case.groove, case.ring * (np.arange(37) + 0.5) / 37 - np.pi * case.turns
-    loads = solve_screw_contact_loads(balls_at_instant(case, azimuth, np.ones(37, dtype=bool), 0.0))
-    slack = np.append(np.full(36, clearance), np.inf)
-    expected = solve_motion_of_chain(screw_ball_chain(g, loads.force, g.normals(loads.angle), slack))
-    scene, at = scene_of(g, azimuth), contacts_in(g, loads.force, loads.angle, azimuth)
-    friction, drive = Friction(g.mu, g.mu, feedback=False), Motion(g.nut_speed, "nut")
-    grooves = grooves_of_scene(scene, friction, drive)
-    found = solve_alone(search_motion_on_track(scene, at, slack, friction, drive, grooves))
-    assert expected.ball_force.max() > 0.1
-    assert found.ball_force == pytest.approx(expected.ball_force, rel=1e-8, abs=1e-10 * expected.ball_force.max())
-    assert found.q == pytest.approx(expected.q, rel=1e-9, abs=1e-9)
-    assert found.loss == pytest.approx(expected.loss, rel=1e-10)
-    assert found.input_power == pytest.approx(expected.input_power, rel=1e-10)
 
 
 def test_balls_of_unlike_sizes_touch_where_their_radii_meet():

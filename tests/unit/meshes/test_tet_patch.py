@@ -92,21 +92,10 @@ def test_split_cells_fill_the_same_volume_and_conform():
 
 CORNERS = np.array([[1.0, 1, 1], [-1, 1, -1], [1, -1, -1], [-1, -1, 1]])
 REGULAR = CORNERS[0] + LOCAL["P2"] @ (CORNERS[1:] - CORNERS[0])
-DIAGONALS = ((4, 8), (5, 7), (6, 9))  # middles of opposite edges
 
 
-def shortest(points):
-    return min(DIAGONALS, key=lambda d: np.linalg.norm(points[d[0]] - points[d[1]]))
-
-
-def common(parts):
-    """The diagonal that all four cells of the octahedron share."""
-    return tuple(sorted(set.intersection(*map(set, parts[4:].tolist()))))
-
-
-def test_curved_cells_are_split_the_way_that_works_or_refused():
-    rng = np.random.default_rng(3)
-    refused = other = 0
+def test_curved_cells_are_split_into_whole_ones_or_refused():
+    rng, refused = np.random.default_rng(3), 0
     for _ in range(400):
         points = REGULAR.copy()
         points[4:] += rng.normal(0.0, 0.35, (6, 3))
@@ -117,6 +106,4 @@ def test_curved_cells_are_split_the_way_that_works_or_refused():
             refused += 1
             continue
         assert (tet_patch.signed_volumes(points, parts) > 0.0).all()
-        other += common(parts) != shortest(points)
-    assert refused > 5
-    assert other > 5
+    assert 5 < refused < 200

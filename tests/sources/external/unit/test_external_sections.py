@@ -8,11 +8,9 @@ import pytest
 
 from rollbench.compare.cases.external import page
 from rollbench.compare.cases.external.evidence import scene_name_of_catalogue_size
-from rollbench.compare.measure import load_error, mean_load
+from rollbench.compare.measure import load_error
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import run_model
-from rollbench.compare.models.study import SceneResultCache
-from rollbench.compare.reference import estimate
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.condensation import points_clamped_by_bolts
@@ -30,47 +28,6 @@ def test_ways_differ_in_how_the_nut_is_held_alone() -> None:
         assert replace(other, nut=scene.nut, solid=scene.solid) == scene
     inner, outer = (found[f"flange, {x} half of its face"].nut.flange for x in ("inner", "outer"))
     assert inner.seat[1] == outer.seat[0] == pytest.approx(51.25e-3)
-
-
-def stored_ways() -> list[dict[str, Any]]:
-    """Ways of a size made up: on bolts every other ball carries twice the load, and the nut is half as stiff."""
-    common = {"scene": scene_name_of_catalogue_size("bnf-4010-5"), "level": 1, "status": "converged"}
-    return [
-        {**common, "held": held, "rigidity": 4e8 / k, "load": dict.fromkeys(("SL", "NR"), 51 * [60.0 * k, 20.0])}
-        for held, k in ((page.BOLTED, 2), (page.WHOLE, 1), ("left face", 1))
-    ]
-
-
-def fixation_rows(monkeypatch: pytest.MonkeyPatch, stored: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Rows of a size by the cheap model and by these stored runs."""
-    monkeypatch.setattr(page, "DEFAULT", "lin")
-    monkeypatch.setattr(page, "stored_fixation_results", lambda _: stored)
-    return page.fixation_table_rows(SceneResultCache(), "bnf-4010-5")
-
-
-def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One level has the bar of experience, two that of their change, either what a face adds; words on the finer one."""
-    monkeypatch.setattr(page, "load_error_near_faces", lambda scene, load, level: 0.4 * (load > 0.0))  # noqa: ARG005 - made up
-    finer = [{**row, "level": 2} for row in stored_ways()]
-    whole = finer[1]  # 2 % stiffer on level 2, its first ball loaded more by as much
-    loads = {side: [1.02 * first, *others] for side, (first, *others) in whole["load"].items()}
-    whole |= {"rigidity": 1.02 * whole["rigidity"], "load": loads}
-    stored = [*stored_ways(), *finer]
-    rows = fixation_rows(monkeypatch, stored)
-    bars = {
-        (row["model_or_level"], row["fixed_surface"]): row["mesh_uncertainty"]
-        for row in rows
-        if row["mesh_uncertainty"] is not None
-    }
-    known = estimate.read_uncertainty_of_other_scenes(shipped_store())
-    assert bars["3D, level 1", page.WHOLE] == pytest.approx(known.single[0] + 1.0)  # 0.4 N of a mean of 40 N
-    both = {x["level"]: page.loads_of_stored_result(x) for x in stored if x["held"] == page.WHOLE}
-    bar = estimate.mesh_uncertainty(both, known).uncertainties_of_loads(both).max()
-    assert bars["3D, level 2", page.WHOLE] == pytest.approx(bar + 0.4 / mean_load(both[2]) * 100.0, rel=1e-9)
-    assert bars["3D, level 2", page.WHOLE] > bars["3D, level 2", "left face"]
-    words = page.mesh_uncertainty_sentence(rows)
-    assert "2.00 points (largest load)" in words
-    assert "rigidity itself by 2.00 %" in words
 
 
 STORED = page.stored_fixation_results(shipped_store())

@@ -91,15 +91,3 @@ def test_stored_counts_of_root_finding_are_of_the_groups(records):
     assert sum(c.solved for c in counts.values()) < 0.7 * sum(c.tries for c in counts.values())
     printed = [c.solved < c.tries for key, c in counts.items() if key[1] == "rotary, cases I to III as printed"]
     assert printed == 6 * [True]
-
-
-def test_a_failure_would_be_counted(records):
-    """Wrong answers, lost power and failures show up in a record."""
-    r = ExtremeGroup("group", "model")
-    r.count_own_solution(True, 1.0, 1.0, 0.0)
-    r.count_own_solution(False, 1.1, 1.0, 0.2)
-    assert (r.ours, r.tries) == (1, 2)
-    assert (r.energy, r.spread) == pytest.approx((0.1, 0.2))
-    _, table = extremes.extreme_cases_text_and_table([r, records[0]])
-    assert table.columns["solved_here"][0] == "1 of 2"
-    assert table.columns["solved_by_lin"] == ["–", "12 of 36"]
