@@ -163,12 +163,13 @@ def write_new_file(path: Path, text: str) -> None:
 def read_from_first_valid_folder(stores: Sequence[Path], file_name: str, build_object: Callable[[Any], T]) -> T | None:
     """Read an object from a JSON file in the first folder that has a valid file; None if no folder has one.
 
-    ``stores``: folders in the order in which they are tried; ``file_name``: name of the file; ``build_object``: function
-    that builds the object from the file's JSON values, and raises ValueError, KeyError or TypeError if they are not valid.
+    ``stores``: folders in the order in which they are tried; ``file_name``: name of the file, with "*" for any text;
+    ``build_object``: function that builds the object from the file's JSON values, and raises ValueError, KeyError or
+    TypeError if they are not valid.
     """
-    for store in stores:
+    for path in (path for store in stores for path in sorted(store.glob(file_name))):
         with suppress(OSError, ValueError, KeyError, TypeError):
-            return build_object(json.loads((store / file_name).read_text(encoding="utf-8")))
+            return build_object(json.loads(path.read_text(encoding="utf-8")))
     return None
 
 

@@ -61,8 +61,6 @@ TOO_FEW = "fewer than three levels"
 class Convergence:
     """Convergence of one quantity over mesh levels of decreasing cell size: order, extrapolated value, uncertainty."""
 
-    #: Values of the quantity on the mesh levels, coarse to fine.
-    values_by_level: tuple[float, ...]
     #: Kind of convergence, such as `MONOTONE`, or the reason why there is no credible order.
     kind: str
     #: Order fitted to the values, credible or not; None if the values do not change monotonically.
@@ -126,13 +124,10 @@ def grid_convergence(values: ArrayLike, sizes: ArrayLike) -> Convergence:
     """
     y, h = _check_values_and_cell_sizes(values, sizes)
     n, column = len(h), y[:, 0]
-    given_ = tuple(float(v) for v in column)
-    if n == 1:
-        return Convergence(given_, TOO_FEW, None, None, None)
-    if n == 2:
-        return Convergence(given_, TOO_FEW, None, None, CAREFUL * abs(given_[1] - given_[0]))
+    if n <= 2:
+        return Convergence(TOO_FEW, None, None, CAREFUL * float(np.ptp(column)) if n == 2 else None)
     if _is_equal_on_all_levels(column):
-        return Convergence(given_, HELD, None, given_[-1], 0.0)
+        return Convergence(HELD, None, float(column[-1]), 0.0)
     label, order = _kind_of_convergence(column, h)
     free = [fit_searched_order(y, h, weighted) for weighted in (False, True)]
     good = [f for f in free if f.order is not None and ORDERS[0] <= f.order <= ORDERS[1]]
@@ -147,7 +142,7 @@ def grid_convergence(values: ArrayLike, sizes: ArrayLike) -> Convergence:
         first = min((f for f in others if f.fitted_function == "first order"), key=lambda f: f.standard_deviation)
         uncertainty = max(uncertainty, float(_uncertainty_of_finest(y, first, sigma, SAFE, spread)[0]))
     limit = float(fit.limits[0]) if good and label == MONOTONE else None
-    return Convergence(given_, label, order, limit, uncertainty)
+    return Convergence(label, order, limit, uncertainty)
 
 
 def pooled_grid_uncertainty(values: ArrayLike, sizes: ArrayLike) -> Array:

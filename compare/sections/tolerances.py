@@ -12,7 +12,7 @@ from rollbench.compare import files
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.studies.columns import MAIN
 from rollbench.compare.studies.sweep.keys import VariedKey, read_varied_keys
-from rollbench.compare.studies.sweep.run import GroupMean, SobolIndex, SobolIndices, figures_from_sweep_summary
+from rollbench.compare.studies.sweep.run import GroupMean, SobolIndex, SobolIndices, sweep_figures
 from rollbench.reports.content import Row, Section, Table, Text
 
 #: Shipped summary of the tolerance sweep (``summary.json``); it states the command that computed it.
@@ -106,6 +106,6 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     )
     table = Table.from_rows("tolerances", "Effect of each tolerance on the largest contact load", rows)
     named = [replace(key, shown_name=tolerance_description(key).partition(":")[0]) for key in keys]
-    figures = figures_from_sweep_summary("tolerances", named, found["main_effects"], found["worst"], found["indices"])
+    figures = sweep_figures("tolerances", named, found["main_effects"], found["worst"], found["indices"])
     title = "Effect of each tolerance on the largest contact load in Lin's case 3"
     return Section("tolerances", title, (Text(text), table, *figures), conclusion=conclusion)

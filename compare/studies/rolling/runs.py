@@ -144,16 +144,15 @@ def load_rolling_run(
     ``level``: level of the grid; ``stores``: folders, which are searched in this order; ``bodies``: kind of the bodies, a
     key of `BODIES`. A solution is also found if the scene had another name when it was stored. Damaged files are ignored.
     """
-    key = rolling_run_key(scene, level, bodies)
-    for store in stores:
-        renamed = sorted(store.glob(f"rolling-*-level{level}-{key}.json"))
-        for path in (rolling_run_path(store, scene, level, bodies), *renamed):
-            try:
-                stored = json.loads(path.read_text(encoding="utf-8"))
-                return RollingRun(**(stored | {"shape": tuple(stored["shape"])}))
-            except (OSError, ValueError, KeyError, TypeError):
-                continue
-    return None
+    own = rolling_run_path(Path(), scene, level, bodies).name
+    renamed = f"rolling-*-level{own.rpartition('-level')[2]}"
+    runs = (read_from_first_valid_folder(stores, name, _rolling_run_from_json) for name in (own, renamed))
+    return next(filter(None, runs), None)
+
+
+def _rolling_run_from_json(data: dict[str, Any]) -> RollingRun:
+    """Return a 3D solution of rolling from the JSON values of its file."""
+    return RollingRun(**(data | {"shape": tuple(data["shape"])}))
 
 
 def save_rolling_run(store: Path, scene: FrictionScene, run: RollingRun) -> Path:

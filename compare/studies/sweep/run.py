@@ -102,8 +102,7 @@ def solve_missing_samples(
     if not any(many.stored_rows(folder)):
         _check_first_samples_are_accepted(sweep, places)
     sweep.say_which_keys_are_replaced(show_progress)
-    varied = sample.VariedScene(sweep.text, sweep.origin, sweep.keys)
-    solve = partial(sample.records_of_samples, varied, sweep.model, sweep.wanted_outputs)
+    solve = partial(sample.records_of_samples, sweep, sweep.model, sweep.wanted_outputs)
     size = max(1, min(LARGEST_BATCH, len(places) // BATCHES))  # of the sweep only: it affects round-off
     batches = {}
     for first in range(0, len(places), size):
@@ -257,9 +256,13 @@ class Sweep(TabularRecord):
         reports.content.Figure or None
             The figure, as the report draws it; None if there is nothing to draw.
         """
+        return next(iter(self.figures()), None)
+
+    def figures(self, rows: Sequence[many.Record] = ()) -> list[Figure]:
+        """Return all figures of the sweep, none without samples; ``rows``: records of converged samples that are shown."""
         if self.converged < 2:
-            return None
-        return figures_from_sweep_summary("sweep", self.design.keys, self.main_effects, self.worst, self.indices)[0]
+            return []
+        return sweep_figures("sweep", self.design.keys, self.main_effects, self.worst, self.indices, rows)
 
     @property
     def _notes(self) -> tuple[str, ...]:
@@ -395,37 +398,27 @@ SEED = "errors.seed"
 LOAD = COLUMNS[MAIN].heading
 
 
-def sweep_figures(found: Sweep, rows: Sequence[many.Record]) -> list[Figure]:
-    """Return the figures of a sweep; the list is empty with fewer than two converged samples.
-
-    ``rows``: records of the converged samples.
-    """
-    if len(rows) < 2:
-        return []
-    name, keys = "sweep", found.design.keys
-    shown, left = _keys_with_largest_effect(keys, found.main_effects)
-    figures = figures_from_sweep_summary(name, keys, found.main_effects, found.worst, found.indices)
-    return [*figures, _sample_scatter_figure(name, keys, shown, rows, left)]
-
-
-def figures_from_sweep_summary(
+def sweep_figures(
     name: str,
     keys: Sequence[sweep_keys.VariedKey],
     effects: Mapping[str, Sequence[GroupMean]],
     worst: Sequence[many.Record],
     indices: SobolIndices | str,
+    rows: Sequence[many.Record] = (),
 ) -> list[Figure]:
-    """Return the figures of a sweep that need only the summary of the sweep, not the records of its samples.
+    """Return the figures of a sweep with two converged samples or more; the last shows the samples, if they are given.
 
-    ``name``: start of the figures' names; ``effects``, ``worst``, ``indices``: as the fields of `Sweep`.
+    ``name``: start of the figures' names; ``effects``, ``worst``, ``indices``: as the fields of `Sweep`; ``rows``: records
+    of the converged samples.
     """
     shown, left = _keys_with_largest_effect(keys, effects)
     figures = [
         _main_effects_figure(name, [keys[k] for k in shown], effects, left),
         _worst_samples_figure(name, keys, worst),
+        _sobol_indices_figure(name, keys, indices),
+        _sample_scatter_figure(name, keys, shown, rows, left) if rows else None,
     ]
-    shares = _sobol_indices_figure(name, keys, indices)
-    return figures if shares is None else [*figures, shares]
+    return [figure for figure in figures if figure is not None]
 
 
 def _keys_with_largest_effect(
@@ -584,7 +577,7 @@ def solve_sweep(
         replace_file(
             out / "summary.json", json.dumps(found.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
         )
-        for figure in sweep_figures(found, converged_records(records)):
+        for figure in found.figures(converged_records(records)):
             write_figure(out / f"{figure.name}.svg", figure)
     return found
 
