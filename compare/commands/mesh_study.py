@@ -13,7 +13,7 @@ from rollbench.compare.text.printing import CommandOutput, print_command_output,
 if TYPE_CHECKING:
     from rollbench.compare.reference.store import Run
     from rollbench.compare.reference.tasks import Solvable
-    from rollbench.compare.results.mesh_study import MeshLevel
+    from rollbench.compare.results.mesh_study import MeshStudy
     from rollbench.compare.studies.roller import RollerRun
 
 
@@ -97,30 +97,29 @@ def mesh_study(
             write_csv(Path(f"{stem}.csv"), rows)
             if figure is not None:
                 write_figure(Path(f"{stem}.svg"), figure)
-        parts += [f"mesh study of {one.reference.scene}", ""]
-        parts += [table_of_records(mesh_level_rows(study.levels, one.reference.runs)), ""]
-        parts += [table_of_records(study_of.mesh_study_rows_for_terminal(study.quantities)), ""]
-        parts += [*study.notes, *filter(None, [one.reference.unsettled])]
+        quantities = study_of.mesh_study_rows_for_terminal(study.quantities)
+        parts += tables_of_study(one.reference.scene, study, one.reference.runs, quantities)
+        parts += filter(None, [one.reference.unsettled])
         parts.append(f"every contact: {stem}.csv and {reason_without_figure() or '.svg'}")
     answer = CommandOutput(tables, parts, exit_code_of_references(one.reference for one in references))
     return print_command_output(answer, as_json)
 
 
-def mesh_level_rows(levels: Sequence[MeshLevel], runs: Sequence[Run | RollerRun]) -> list[dict[str, Any]]:
-    """Return the rows of the table of mesh levels for the terminal; times measured with another version are None.
+def tables_of_study(
+    title: str, study: MeshStudy, runs: Sequence[Run | RollerRun], quantities: Sequence[Mapping[str, Any]]
+) -> list[Any]:
+    """Return the tables of the mesh levels and of the quantities of a study, with its notes, for the terminal.
 
-    ``runs``: the run on each of the ``levels``.
+    ``runs``: the run on each mesh level: times measured with another version are left out; ``quantities``: rows of the
+    second table.
     """
-    from rollbench.compare.quantities import quantities_of_instance
+    from rollbench.compare.quantities import record_as_json
     from rollbench.compare.reference.store import shows_times_of
 
-    rows = []
-    for level, run in zip(levels, runs, strict=True):
-        row = {key: x.value(level) for key, x in quantities_of_instance(level).items()}
-        if not shows_times_of(run.versions.get("rollbench", "")):
-            row |= dict.fromkeys(("seconds", "cpu_seconds", "measured_with"))
-        rows.append(row)
-    return rows
+    unknown = dict.fromkeys(("seconds", "cpu_seconds", "measured_with"))
+    shown = [shows_times_of(run.versions.get("rollbench", "")) for run in runs]
+    levels = [record_as_json(level) | ({} if known else unknown) for level, known in zip(study.levels, shown, strict=True)]
+    return [f"mesh study of {title}", "", table_of_records(levels), "", table_of_records(quantities), "", *study.notes]
 
 
 def are_all_roller_scenes(names: Sequence[str], unused_arguments: Mapping[str, bool], where: ComputeOptions | None) -> bool:
@@ -171,9 +170,7 @@ def study_single_rollers(names: Sequence[str], count: int | None, store: Path, *
             with written_together():
                 write_csv(Path(f"{stem}.csv"), study.frame_rows())
                 write_csv(Path(f"{stem}-profile.csv"), study.profile)
-            parts += [f"mesh study of {scene.name}: a roller of {', '.join(one.bearing_names)}", ""]
-            parts += [table_of_records(mesh_level_rows(study.levels, runs)), ""]
-            parts += [table_of_records(roller.roller_rows_for_terminal(study.quantities)), ""]
-            parts += [*study.notes]
+            title = f"{scene.name}: a roller of {study.set}"
+            parts += tables_of_study(title, study, runs, roller.roller_rows_for_terminal(study.quantities))
             parts.append(f"along the roller: {stem}-profile.csv")
     return CommandOutput(found, parts)

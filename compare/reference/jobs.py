@@ -358,26 +358,6 @@ def ensure_runs_are_stored(
     ]
     finished = 0
 
-    def record_finished_task(index: int, outcome: tuple[list[Run], CondensedBodies | None]) -> None:
-        nonlocal done, finished
-        task = left[index]
-        runs, bodies = outcome
-        good = [(scene, run) for scene, run in zip(task.scenes, runs, strict=True) if run.answers]
-        if not all(path_of_run(store, scene, run).exists() for scene, run in good):  # computed without access to the folder
-            store_runs_and_condensed_bodies(store, task, runs, bodies)
-        failed.extend(run for run in runs if not run.answers)
-        done += seconds[index]
-        finished += 1
-        spent = perf_counter() - start
-        rest = spent * (sum(seconds) - done) / done
-        lost = [run for run in runs if run.status != "converged"]
-        bad = [f"{run.scene}: {'' if run.answers else 'not stored: '}{run.status}" for run in lost]
-        tail = f" ({'; '.join(bad)})" if bad else ""
-        ahead = f", about {rest:.0f} s left" if finished < len(left) else ""
-        step(" ".join(f"[{finished}/{len(left)}] {task.label}{tail}: {spent:.0f} s{ahead}".split()))
-        if finished < len(left):
-            after_each_stored_task(task)
-
     over = threading.Event()
 
     def report_progress_regularly() -> None:
@@ -390,8 +370,25 @@ def ensure_runs_are_stored(
 
     threading.Thread(target=report_progress_regularly, daemon=True).start()
     try:
-        for number, outcome in parallel.run_jobs(jobs, engine.backend, engine.scheduler_address, engine.parallel_jobs):
-            record_finished_task(number, outcome)
+        for number, (runs, bodies) in parallel.run_jobs(
+            jobs, engine.backend, engine.scheduler_address, engine.parallel_jobs
+        ):
+            task = left[number]
+            good = [(scene, run) for scene, run in zip(task.scenes, runs, strict=True) if run.answers]
+            if not all(path_of_run(store, scene, run).exists() for scene, run in good):  # computed without the folder
+                store_runs_and_condensed_bodies(store, task, runs, bodies)
+            failed.extend(run for run in runs if not run.answers)
+            done += seconds[number]
+            finished += 1
+            spent = perf_counter() - start
+            rest = spent * (sum(seconds) - done) / done
+            lost = [run for run in runs if run.status != "converged"]
+            bad = [f"{run.scene}: {'' if run.answers else 'not stored: '}{run.status}" for run in lost]
+            tail = f" ({'; '.join(bad)})" if bad else ""
+            ahead = f", about {rest:.0f} s left" if finished < len(left) else ""
+            step(" ".join(f"[{finished}/{len(left)}] {task.label}{tail}: {spent:.0f} s{ahead}".split()))
+            if finished < len(left):
+                after_each_stored_task(task)
     except KeyboardInterrupt:
         if output_closed():
             raise BrokenPipeError from None
