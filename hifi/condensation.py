@@ -167,7 +167,7 @@ def condense_patches_of_flank(
         fine_mesh = part_meshes.mesh_patch(boxes, box_faces, to_space, settings)
         C = coarse.contact_compliance_in_fine_submodel(piece, fine_mesh, along, *elastic)
         V, rows = contact_modes_of_patch(condensed, modes)
-        scales = coarse.scales_of_coarse_submodels()
+        scales = [1.0 + coarse.STEP * n for n in range(coarse.REALISATIONS)]
         pieces = [mesh_piece(size, scale * sizes[0], scale * sizes[1])[0] for scale in scales]
         G = [coarse.mode_compliance_in_coarse_submodel(each, condensed, rows, *elastic) for each in pieces]
         local += coarse.local_contact_compliance(C, V, G)
@@ -253,11 +253,14 @@ FIT = " and centring"
 SLICE, LEAST = 0.25, 30
 
 
+@dataclass(frozen=True)
 class CondensedBody:
     """Base class of an elastic body condensed to displacement modes of its contacts, ordered by ball, then by flank."""
 
     #: For each flank (0, 1: screw, 2, 3: nut), the k displacement modes V of a contact at its c contact nodes ``(c, k)``.
     modes_by_flank: dict[int, Array]
+    #: Number of degrees of freedom before condensation.
+    degree_of_freedom_count: int
 
     @property
     def modes_per_ball(self) -> int:
@@ -299,13 +302,9 @@ class CondensedScrew(CondensedBody):
 
     #: Compliance of this part of the screw at its contacts, upper end, supports and loads.
     stretch: MeshedShaftPart
-    #: For each flank (0, 1: screw, 2, 3: nut), the k displacement modes V of a contact at its c contact nodes ``(c, k)``.
-    modes_by_flank: dict[int, Array]
     #: Displacements of every contact's modes by unit rigid motions of the screw (translations and rotations about the
     #: contact's axial position) ``(contacts, k, 6)``.
     modes_by_rigid_motions: Array
-    #: Number of degrees of freedom before condensation.
-    degree_of_freedom_count: int
 
     @property
     def G(self) -> Array:
@@ -319,10 +318,6 @@ class CondensedNut(CondensedBody):
 
     #: Compliance matrix between the displacement modes of all contacts of the nut [m/N].
     G: Array
-    #: For each flank (0, 1: screw, 2, 3: nut), the k displacement modes V of a contact at its c contact nodes ``(c, k)``.
-    modes_by_flank: dict[int, Array]
-    #: Number of degrees of freedom before condensation.
-    degree_of_freedom_count: int
     #: Displacements of the modes of all contacts by unit rigid motions of the nut (translations and rotations about the
     #: point z = 0 of the axis) ``(k, 6)``.
     modes_by_rigid_motions: Array
@@ -334,10 +329,6 @@ class CondensedBall(CondensedBody):
 
     #: Compliance matrix between the displacement modes of the ball's contacts, flank after flank [m/N].
     G: Array
-    #: For each flank (0, 1: screw, 2, 3: nut), the k displacement modes V of a contact at its c contact nodes ``(c, k)``.
-    modes_by_flank: dict[int, Array]
-    #: Number of degrees of freedom before condensation.
-    degree_of_freedom_count: int
 
 
 def assemble_stiffness_and_contact_modes(
@@ -405,7 +396,7 @@ def condense_ball(
     held = coarse.select_isostatic_freedoms(mesh.points, np.concatenate([box.node_indices for box in boxes]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     G = symmetric_compliance_of_loads(condense(K, D=held, expand=False), rows[:, free])
-    return CondensedBall(G, {s: k[0] for s, k in kept.items()}, int(free.size))
+    return CondensedBall({s: k[0] for s, k in kept.items()}, int(free.size), G)
 
 
 def condense_screw(
@@ -477,7 +468,7 @@ def condense_screw(
     about = np.zeros((len(places), least, 6))
     for i, (_, z, _) in enumerate(places):
         about[i] = rigid[starts[i] : starts[i] + least] @ rigid_motion_transfer_along_z(base - z)
-    return CondensedScrew(stretch, {s: k[0] for s, k in kept.items()}, about, T.shape[1])
+    return CondensedScrew({s: k[0] for s, k in kept.items()}, T.shape[1], stretch, about)
 
 
 def section_motion_matrix(mesh: Mesh, z: float) -> sp.csr_array:
@@ -606,4 +597,5 @@ def condense_nut(
     T = nut_freedoms_from_free_ones(mesh, dims)
     K = (T.T @ K @ T).tocsc()
     rigid = np.asarray(rows @ nodal_displacements_of_rigid_motions(mesh.points, np.zeros(3)))
-    return CondensedNut(symmetric_compliance_of_loads(K, rows @ T), {s: k[0] for s, k in kept.items()}, T.shape[1], rigid)
+    G = symmetric_compliance_of_loads(K, rows @ T)
+    return CondensedNut({s: k[0] for s, k in kept.items()}, T.shape[1], G, rigid)

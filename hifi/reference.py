@@ -205,10 +205,6 @@ class LoadCase:
         self.load_motion = coupling.normal_motion_of_nodes(self.C, self.at_rest)
         self.balls = sum(p.ball_count for p in sets)
 
-    def solve_first_round(self) -> ContactRound:
-        """Solve the contacts with balls and grooves in their nominal positions."""
-        return self._solve_round([_NO_MOTION for _ in self.sets], [np.zeros((1, 1)) for _ in self.sets], None)
-
     def solve_next_round(self, last: ContactRound, *, moving: bool) -> ContactRound:
         """Solve the contacts again, with normals and gaps updated by the displacements of the previous round.
 
@@ -230,7 +226,9 @@ class LoadCase:
             z = self.C.mode_compliance @ self.C.modal_forces(last.contact_solution.forces) + self.at_rest
             rigid = last.normal_motion_by_free_motions @ self.free_motion_amplitudes(last)
             along = self.split_by_nut_or_bearing(coupling.normal_motion_of_nodes(self.C, z) + rigid)
-            each = zip(self.sets, self.ball_displacements_by_set(last), along, last.contact_normals, strict=True)
+            ends = np.cumsum([p.ball_count for p in self.sets])[:-1]
+            displaced = np.split(last.contact_solution.rigid_motions[: 3 * self.balls].reshape(-1, 3), ends)
+            each = zip(self.sets, displaced, along, last.contact_normals, strict=True)
             moved = [coupling.ball_motion_relative_to_grooves(*of_set) for of_set in each]
         pressed = zip(self.sets, last.nodal_forces_by_set, last.contact_normals, strict=True)
         level = [coupling.grid_position_gap_corrections(*of_set) for of_set in pressed]
@@ -243,11 +241,6 @@ class LoadCase:
         `SupportedShaft.free_motions`.
         """
         return last.contact_solution.rigid_motions[3 * self.balls :]
-
-    def ball_displacements_by_set(self, last: ContactRound) -> list[Array]:
-        """Return the displacements ``(balls, 3)`` [m] of the balls of each nut or bearing; ``last``: the solved round."""
-        ends = np.cumsum([p.ball_count for p in self.sets])[:-1]
-        return np.split(last.contact_solution.rigid_motions[: 3 * self.balls].reshape(-1, 3), ends)
 
     def split_by_nut_or_bearing(self, pairs: Array) -> list[Array]:
         """Split values at the contact nodes of all balls into one array ``(balls, n)`` for each nut or bearing.
@@ -454,7 +447,8 @@ class LoadCase:
         """
         begin = perf_counter()
         report(1)
-        first = self.solve_first_round()
+        nominal = [_NO_MOTION for _ in self.sets], [np.zeros((1, 1)) for _ in self.sets]
+        first = self._solve_round(*nominal, None)
         last, done, left = self.iterate_to_constant_loads(first, max_updates, report, moving=moving)
         seconds = perf_counter() - begin
         still = self.iterate_to_constant_loads(first, ROUNDS, report, moving=False)[0] if frozen and moving else last

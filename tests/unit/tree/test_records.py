@@ -17,8 +17,6 @@ EXPLAINED = {
     ("BallResult", "RollerResult"): "a ball has four flanks with an angle each, a roller two races and a line load",
     ("NutStiffness", "LoadPointStiffness"): "the same quantities at two places, with a definition and an error each",
     ("ShaftSection", "BeamSection"): "the 3D reference shares no formula with the models that it judges",
-    ("CondensedScrew", "CondensedNut"): "bodies of the 3D reference: a screw is stretched, a nut is held",
-    ("CondensedNut", "CondensedBall"): "bodies of the 3D reference: a ball has no rigid motions of its own",
     ("CoarseBallMesh", "CoarseGroovedBodyMesh"): "meshes of two bodies: only a groove's facets deviate from its flank",
     ("GeometryWithErrors", "GeometriesWithErrors"): "one specimen, and arrays of many specimens without derivatives",
     ("ForceState", "Step"): "a state of the iteration, and a change of it without energy",
