@@ -10,7 +10,7 @@ from skfem import Basis, ElementVector, Functional, LinearForm
 from skfem.helpers import dot
 
 from rollbench.hifi.elements import forms
-from rollbench.hifi.elements.forms import CachedIsoparametricMap, elasticity_form, stiffness_quadrature
+from rollbench.hifi.elements.forms import CachedIsoparametricMap, stiffness_quadrature
 from rollbench.meshes.fem import _SKFEM, MESHES, build_mesh, scaled_jacobians
 
 KINDS = ["P1", "P2", "Q1", "Q2"]
@@ -110,7 +110,7 @@ def stiffness(points, cells, kind, young, poisson):
     """Stiffness matrix (3n, 3n), numbered like the points, all of which must have a cell."""
     mesh, number = build_mesh(points, cells, kind)
     order = freedoms(number)
-    return forms.assemble_constant_form(elasticity_form(young, poisson), mesh)[order][:, order].tocsc()
+    return forms.elastic_stiffness(mesh, young, poisson)[order][:, order].tocsc()
 
 
 def volume(points, cells, kind):

@@ -34,7 +34,7 @@ from skfem import Mesh
 
 from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, mean_normal_displacement_matrix
 from rollbench.hifi.elements import forms
-from rollbench.hifi.elements.forms import elasticity_form, nodal_volume_form, normalise_weight_rows
+from rollbench.hifi.elements.forms import nodal_volume_form, normalise_weight_rows
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.meshes import fem
@@ -255,7 +255,7 @@ def assemble_body_stiffness(
     (3 n, 3 n) sparse array
         Stiffness [N/m].
     """
-    K = forms.assemble_constant_form(elasticity_form(young, poisson), mesh)
+    K = forms.elastic_stiffness(mesh, young, poisson)
     rows, columns, values = [], [], []
     for box in boxes:
         S = patches[box.flank].S
@@ -486,8 +486,7 @@ def compliance_of_patch_in_submodel(
     FactorError
         The stiffness of the piece cannot be factored.
     """
-    form = elasticity_form(young, poisson)
-    K_patch, K_body = forms.assemble_constant_form(form, patch.mesh), forms.assemble_constant_form(form, piece.mesh)
+    K_patch, K_body = (forms.elastic_stiffness(x.mesh, young, poisson) for x in (patch, piece))
     size = K_patch.shape[0]
     outer = degrees_of_freedom_of_nodes(patch.interface_nodes)
     inner = np.setdiff1d(np.arange(size), outer)
@@ -570,11 +569,6 @@ def compliance_of_submodel(piece: ContactSubmodel, K: sp.sparray, nodal_forces: 
     return _compliance_of_balanced_loads(F, nodal_forces.shape[0], work, loads, piece)
 
 
-def scales_of_coarse_submodels() -> list[float]:
-    """Return the factors on the element sizes of the coarse pieces over which `local_contact_compliance` takes a mean."""
-    return [1.0 + STEP * n for n in range(REALISATIONS)]
-
-
 def local_contact_compliance(fine_compliance: Array, V: Array, coarse_mode_compliances: Sequence[Array]) -> Array:
     """Compute a contact's local compliance, which its body's coarse mesh lacks: fine less coarse compliance of a piece.
 
@@ -586,7 +580,7 @@ def local_contact_compliance(fine_compliance: Array, V: Array, coarse_mode_compl
         Displacement modes of the contact that the coarse body represents.
     coarse_mode_compliances : Sequence[Array]
         Compliance G_coarse ``(k, k)`` [m/N] of each of several coarse pieces, by `mode_compliance_in_coarse_submodel`;
-        their element sizes differ by the factors `scales_of_coarse_submodels`.
+        their element sizes differ by multiples of `STEP`.
 
     Returns
     -------

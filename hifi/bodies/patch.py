@@ -477,7 +477,7 @@ def _assemble_patch_stiffness_blocks(
     Poisson's ratio; ``carrier``: coarser patch of the same refinement box whose mesh is used instead; None: ``mesh``.
     """
     base = mesh if carrier is None else carrier
-    K = forms.assemble_constant_form(forms.elasticity_form(young, poisson), base.mesh)
+    K = forms.elastic_stiffness(base.mesh, young, poisson)
     if np.isin(mesh.contact_nodes, mesh.interface_nodes).any():
         raise ValueError(
             "the contact zone reaches the edge of the fine mesh around the contact: make the zone smaller than that mesh"

@@ -24,7 +24,7 @@ import scipy.sparse as sp
 
 from rollbench.hifi.contact.balls import contact_compliance_of_single_ball, solve_contacts_of_all_balls
 from rollbench.hifi.contact.hertz import HertzSolution, solve_hertz
-from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form, nodal_areas
+from rollbench.hifi.elements.forms import elastic_stiffness, nodal_areas
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.meshes import block
 from rollbench.meshes.arrays import Array
@@ -150,7 +150,7 @@ def surface_compliance(
     FactorError
         The stiffness of the mesh cannot be factored.
     """
-    K = sp.csr_array(assemble_constant_form(elasticity_form(young, poisson), mesh.mesh))
+    K = sp.csr_array(elastic_stiffness(mesh.mesh, young, poisson))
     areas = nodal_contact_areas(mesh)
     near = ((mesh.points[:, :2] / np.array(semi_axes)) ** 2).sum(axis=1) <= 1.0
     nodes = np.flatnonzero((areas > 0.0) & near)

@@ -235,9 +235,9 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
         flat = mesh_section(zone, middle * np.sin(angle) * np.sin(share_of), row.depth, is_roller=False)
         shape = roller_body.raceway_point_map(middle, angle, outward)
         rings.append(extrude(flat, zone, longer, reach, shape, mirrored=outward > 0.0))
-    law = forms.elasticity_form(row.material.youngs_modulus, row.material.poissons_ratio)
-    S, A = (roller_compliance(roller, law, symmetric_loads=even) for even in (True, False))
-    own = [race_compliance(ring, law, share_of) for ring in rings]
+    elastic = row.material.youngs_modulus, row.material.poissons_ratio
+    S, A = (roller_compliance(roller, *elastic, symmetric_loads=even) for even in (True, False))
+    own = [race_compliance(ring, *elastic, share_of) for ring in rings]
     same, other = 0.5 * (S + A), 0.5 * (S - A)
     matrix = np.block([[same + own[0], other], [other, same + own[1]]])
     along, across = roller.distances_from_apex - middle, roller.distances_from_contact_line
@@ -286,13 +286,16 @@ def _nodal_forces_of_pressure_functions(body: roller_body.ExtrudedRollerBody) ->
     return sp.csr_array(((W.data[:, None] * normal).ravel(), (rows, columns)), (len(contact), 3 * len(body.points)))
 
 
-def roller_compliance(body: roller_body.ExtrudedRollerBody, elasticity: object, *, symmetric_loads: bool) -> Array:
+def roller_compliance(
+    body: roller_body.ExtrudedRollerBody, young: float, poisson: float, *, symmetric_loads: bool
+) -> Array:
     """Compute the compliance of a roller between the m n contact nodes of its meshed quarter ``(m n, m n)`` [m/N].
 
-    ``body``: mesh of the quarter; ``elasticity``: bilinear form of linear elasticity; ``symmetric_loads``: whether the
-    loads of cup and cone are symmetric about the plane midway between both contacts; otherwise they are antisymmetric.
+    ``body``: mesh of the quarter; ``young``: Young's modulus [Pa]; ``poisson``: Poisson's ratio; ``symmetric_loads``:
+    whether the loads of cup and cone are symmetric about the plane midway between both contacts; otherwise they are
+    antisymmetric.
     """
-    K, rows = forms.assemble_constant_form(elasticity, body.mesh), _nodal_forces_of_pressure_functions(body)
+    K, rows = forms.elastic_stiffness(body.mesh, young, poisson), _nodal_forces_of_pressure_functions(body)
     side, points = nodes_on_boundaries(body.mesh, "side"), body.points
     axis = np.intersect1d(side, nodes_on_boundaries(body.mesh, "y = 0"))
     ends = axis[[points[axis, 2].argmin(), points[axis, 2].argmax()]]
@@ -314,13 +317,13 @@ def roller_compliance(body: roller_body.ExtrudedRollerBody, elasticity: object, 
     return np.asarray(change @ found @ change.T)
 
 
-def race_compliance(body: roller_body.ExtrudedRollerBody, elasticity: object, sector_angle: float) -> Array:
+def race_compliance(body: roller_body.ExtrudedRollerBody, young: float, poisson: float, sector_angle: float) -> Array:
     """Compute the compliance between the m n contact nodes of one race, cup or cone ``(m n, m n)`` [m/N].
 
-    ``body``: mesh of half the sector of the race that belongs to one roller; ``elasticity``: bilinear form of linear
-    elasticity; ``sector_angle``: angle of the meshed sector about the bearing's axis [rad].
+    ``body``: mesh of half the sector of the race that belongs to one roller; ``young``: Young's modulus [Pa];
+    ``poisson``: Poisson's ratio; ``sector_angle``: angle of the meshed sector about the bearing's axis [rad].
     """
-    K, rows = forms.assemble_constant_form(elasticity, body.mesh), _nodal_forces_of_pressure_functions(body)
+    K, rows = forms.elastic_stiffness(body.mesh, young, poisson), _nodal_forces_of_pressure_functions(body)
     side = nodes_on_boundaries(body.mesh, "side")
     turn = np.ones((2, len(side))) * np.array([[np.cos(sector_angle)], [np.sin(sector_angle)]])
     x, y = 3 * side, 3 * side + 1

@@ -26,8 +26,6 @@ import numpy as np
 import scipy.sparse as sp
 import skfem
 from skfem import Basis, FacetBasis, LinearForm, Mesh
-from skfem.element import DiscreteField
-from skfem.helpers import ddot, sym_grad
 from skfem.mapping import MappingIsoparametric
 from skfem.models.elasticity import lame_parameters, linear_stress
 from skfem.quadrature import get_quadrature
@@ -63,30 +61,6 @@ def isotropic_stress_law(young: float, poisson: float) -> Stress:
         )
     law: Stress = linear_stress(*lame_parameters(young, poisson))
     return law
-
-
-def elasticity_form(young: float, poisson: float) -> Any:
-    """Return the bilinear form of linear elasticity, int C(eps(u)) : eps(v) dV.
-
-    Parameters
-    ----------
-    young : float
-        Young's modulus [Pa].
-    poisson : float
-        Poisson's ratio.
-
-    Returns
-    -------
-    skfem.BilinearForm
-        The form.
-
-    Raises
-    ------
-    ValueError
-        Young's modulus is not positive, or Poisson's ratio not between -1 and 0.5.
-    """
-    C = isotropic_stress_law(young, poisson)
-    return skfem.BilinearForm(lambda u, v, _: ddot(C(sym_grad(u)), sym_grad(v)))
 
 
 def nodal_volume_form(axis: int | None = None) -> Any:
@@ -340,45 +314,17 @@ def nodal_areas(mesh: Mesh, boundary: str) -> Array:
     return np.asarray(nodal_volume_form().assemble(face_basis(mesh, boundary)))
 
 
-def constant_coefficients_of_form(form: Any) -> Array:
-    """Extract the constant coefficients c_ikjl of a bilinear form int c_ikjl u_i,k v_j,l dV.
+def elastic_stiffness(mesh: Mesh, young: float, poisson: float) -> sp.csc_array:
+    """Assemble the stiffness matrix of linear elasticity, int C(eps(u)) : eps(v) dV.
 
     Parameters
     ----------
-    form : Any
-        Bilinear form of scikit-fem.
-
-    Returns
-    -------
-    (3, 3, 3, 3) Array
-        Coefficients c[i, k, j, l].
-
-    Raises
-    ------
-    ValueError
-        The form depends on more than displacement gradients.
-    """
-    unknown = np.full((3, 1, 1), np.nan)
-    unit = [DiscreteField(value=unknown, grad=g.reshape(3, 3, 1, 1)) for g in np.eye(9)]
-    values = np.array([[np.ravel(form.form(u, v, None))[0] for v in unit] for u in unit]).reshape(3, 3, 3, 3)
-    if not np.isfinite(values).all():
-        raise ValueError(
-            "the bilinear form depends on displacements, not on their gradients alone: assemble it with scikit-fem"
-        )
-    return values
-
-
-def assemble_constant_form(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc_array:
-    """Assemble the sparse matrix of a bilinear form in displacement gradients with constant coefficients.
-
-    Parameters
-    ----------
-    form : Any
-        Bilinear form of scikit-fem.
     mesh : Mesh
         The mesh of n nodes.
-    mapping : Any, default None
-        Map of its cells; None: `CachedIsoparametricMap`.
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
 
     Returns
     -------
@@ -388,14 +334,17 @@ def assemble_constant_form(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc
     Raises
     ------
     ValueError
-        A cell is turned inside out at a quadrature point, or the form depends on more than gradients.
+        A cell is turned inside out at a quadrature point, Young's modulus is not positive, or Poisson's ratio is not
+        between -1 and 0.5.
     """
-    c = constant_coefficients_of_form(form).transpose(0, 2, 1, 3).reshape(9, 9)
+    law = isotropic_stress_law(young, poisson)
+    stress = np.array([law(0.5 * (slope + slope.T)) for slope in np.eye(9).reshape(9, 3, 3)])  # of each slope u_i,k
+    c = stress.reshape(3, 3, 3, 3).transpose(0, 2, 1, 3).reshape(9, 9)
     nodes = np.asarray(mesh.dofs.element_dofs.T)
     count, n = mesh.doflocs.shape[1], nodes.shape[1]
     graph = _node_graph(nodes, count)
     blocks = np.zeros((9, graph.nnz))
-    points, mapping = stiffness_quadrature(mesh), mapping or CachedIsoparametricMap(mesh)
+    points, mapping = stiffness_quadrature(mesh), CachedIsoparametricMap(mesh)
     step = max(1, int(CHUNK_BYTES / (8 * max(9 * n * n, 6 * n * len(points[1])))))
     for first in range(0, len(nodes), step):
         chunk = np.arange(first, min(first + step, len(nodes)))

@@ -31,7 +31,7 @@ from rollbench.hifi.condensation import BEYOND
 from rollbench.hifi.contact.block import boussinesq_displacements
 from rollbench.hifi.contact.hertz import solve_hertz
 from rollbench.hifi.elements import forms
-from rollbench.hifi.elements.forms import elasticity_form, normalise_weight_rows, pressure_function_integrals
+from rollbench.hifi.elements.forms import normalise_weight_rows, pressure_function_integrals
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.hifi.meshing.part_meshes import ball_refinement_box_and_map
 from rollbench.hifi.rolling import contact_bodies
@@ -343,7 +343,7 @@ def compliance_of_body(body: ContactBody, nodal_forces: sp.csr_array, young: flo
     (m, m) Array
         Compliance between the m load cases [m/N].
     """
-    K = forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh)
+    K = forms.elastic_stiffness(body.mesh, young, poisson)
     fixed = ("held",) if "held" in body.mesh.boundaries else ()
     whole = coarse.ContactSubmodel(body.mesh, body.contact_nodes, np.eye(3), fixed)
     return coarse.compliance_of_submodel(whole, K, nodal_forces)
@@ -361,7 +361,7 @@ def compliance_of_half_space_block(body: ContactBody, nodal_forces: sp.csr_array
     (m, m) Array
         Compliance between the m load cases [m/N].
     """
-    K = forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh)
+    K = forms.elastic_stiffness(body.mesh, young, poisson)
     cut = fem.degrees_of_freedom_on_boundaries(body.mesh, "held")
     by_cut = sp.csr_array(-(K[cut].T @ _half_space_motion_at_cut(body, nodal_forces, young, poisson)).T)
     free, m = np.setdiff1d(np.arange(K.shape[0]), cut), nodal_forces.shape[0]

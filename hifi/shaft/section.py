@@ -38,7 +38,7 @@ from scipy.sparse.linalg import splu
 from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
 
 from rollbench.hifi.bodies.coarse import all_freedoms_with_rigid_end
-from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form
+from rollbench.hifi.elements.forms import elastic_stiffness
 from rollbench.hifi.elements.rigid import rigid_motion_transfer_along_z
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.hifi.shaft.beam import ShaftSection, end_flexibility_of_cantilever, round_section
@@ -294,7 +294,7 @@ def meshed_shaft_flexibility(
     ends, no_box = (m.z0 - length / 2.0, m.z0 + length / 2.0), RefinementBoxSize(0.3, 1e-3, 0.05)
     spec = GroovedBodySpec(bore_radius, land_radius, *ends, True, (), no_box, element_size, element_size)
     mesh = mesh_grooved_body(m, spec)
-    K = assemble_constant_form(elasticity_form(material.youngs_modulus, material.poissons_ratio), mesh.mesh)
+    K = elastic_stiffness(mesh.mesh, material.youngs_modulus, material.poissons_ratio)
     T = all_freedoms_with_rigid_end(mesh.mesh, spec.z_high)
     return length, symmetric_compliance_of_loads((T.T @ K @ T).tocsc(), sp.eye_array(T.shape[1], format="csr")[-6:])
 

@@ -6,7 +6,7 @@ from skfem import Functional, condense
 from skfem.helpers import ddot, sym_grad
 from tests.fe_meshes import boundary_faces, cube, force, space
 
-from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form, isotropic_stress_law
+from rollbench.hifi.elements.forms import elastic_stiffness, isotropic_stress_law
 from rollbench.hifi.linear_algebra import factorise_positive_definite
 from rollbench.meshes.fem import build_mesh, degrees_of_freedom_on_boundaries, node_coordinates
 
@@ -53,7 +53,7 @@ def errors(name, m):
     points, cells = cube(name, m)
     mesh, _ = build_mesh(points, cells, name, {"all": boundary_faces(cells, name)})
     basis = space(mesh, quadrature=None, intorder=6)
-    K, load = assemble_constant_form(elasticity_form(E, NU), mesh), force(lambda x: at(body_force, x)).assemble(basis)
+    K, load = elastic_stiffness(mesh, E, NU), force(lambda x: at(body_force, x)).assemble(basis)
     u = exact(node_coordinates(mesh)).ravel()
     inner, right, _, loose = condense(K, load, x=u, D=degrees_of_freedom_on_boundaries(mesh, "all"))
     u[loose] = factorise_positive_definite(inner)(right)

@@ -9,7 +9,7 @@ from skfem import ElementVector
 from tests.fe_meshes import force
 from tests.helpers import relative
 
-from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form, face_basis
+from rollbench.hifi.elements.forms import elastic_stiffness, face_basis
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.lowfi.compliance.tube import ContactPoints, SmoothBody, contact_compliance, tube_compliance
 from rollbench.meshes.fem import build_mesh, degrees_of_freedom_on_boundaries, mesh_rectangular_grid, nodes_of_cells
@@ -58,7 +58,7 @@ def patch_rows(mesh):
 def solid(counts):
     """Compliance (3 c, 3 c) of the 3D tube."""
     mesh = hexahedra(counts)
-    K = assemble_constant_form(elasticity_form(STEEL.youngs_modulus, STEEL.poissons_ratio), mesh)
+    K = elastic_stiffness(mesh, STEEL.youngs_modulus, STEEL.poissons_ratio)
     free = np.setdiff1d(np.arange(K.shape[0]), degrees_of_freedom_on_boundaries(mesh, "low end"))
     return symmetric_compliance_of_loads(K[free][:, free], sp.csr_matrix(patch_rows(mesh)[:, free]))
 

@@ -32,7 +32,7 @@ from rollbench.compare.studies.crosscheck import results
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, MeshedDeck, build_deck
 from rollbench.compare.studies.run_times import utc_date_today
 from rollbench.hifi.bodies.coarse import degrees_of_freedom_of_nodes
-from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form
+from rollbench.hifi.elements.forms import elastic_stiffness
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
 from rollbench.hifi.linear_algebra import factorise_positive_definite
 from rollbench.meshes.arrays import Array
@@ -390,7 +390,7 @@ def rigid_section_translations(decks: list[InputDeck]) -> Array:
     """
     body, sections = decks[0].bodies[0], decks[0].rigid_sections
     mesh, number = build_mesh(body.points, body.cells, "P2")
-    K = assemble_constant_form(elasticity_form(body.material.youngs_modulus, body.material.poissons_ratio), mesh)
+    K = elastic_stiffness(mesh, body.material.youngs_modulus, body.material.poissons_ratio)
     C = _matrix_of_rigid_sections(body, sections, number, decks[0].fixed_node_sets)
     loads = np.zeros((C.shape[1], len(decks)))
     count = 6 * len(sections)

@@ -9,7 +9,7 @@ import pytest
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.bodies.coarse import all_freedoms_with_rigid_end
 from rollbench.hifi.condensation import section_motion_matrix
-from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form
+from rollbench.hifi.elements.forms import elastic_stiffness
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions, rigid_motion_transfer_along_z
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.hifi.shaft import section
@@ -162,7 +162,7 @@ def test_a_load_on_a_section_moves_it_as_beam_theory_has_it_and_rigid_motions_ar
     rigid = nodal_displacements_of_rigid_motions(node_coordinates(mesh), np.array([0.0, 0.0, z]))
     np.testing.assert_allclose(section_motion_matrix(mesh, z) @ rigid, np.eye(6), atol=1e-9)
     z, e = m.z0 + 0.5 * length, scene.screw.material
-    K = assemble_constant_form(elasticity_form(e.youngs_modulus, e.poissons_ratio), mesh)
+    K = elastic_stiffness(mesh, e.youngs_modulus, e.poissons_ratio)
     T = all_freedoms_with_rigid_end(mesh, m.z0 + length)
     flexibility = symmetric_compliance_of_loads((T.T @ K @ T).tocsc(), section_motion_matrix(mesh, z) @ T)
     stretch, EI = stiffness_of_grooved_shaft(m, land, 0.0, e)

@@ -16,7 +16,7 @@ from rollbench.hifi.bodies import grid_wave
 from rollbench.hifi.bodies.coarse import select_isostatic_freedoms
 from rollbench.hifi.bodies.patch import mean_normal_displacement_matrix
 from rollbench.hifi.contact.balls import SolverState, contact_compliance_of_single_ball, solve_contacts_of_all_balls
-from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form, normalise_weight_rows
+from rollbench.hifi.elements.forms import elastic_stiffness, normalise_weight_rows
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.hifi.meshing import part_meshes
 from rollbench.meshes import ball_body
@@ -30,13 +30,13 @@ def whole(body, patches, material, held):
 
     patches: (mesh, rows of the hats, socket's nodes, rotation); held: the body's freedoms by those that are free.
     """
-    form = elasticity_form(material.youngs_modulus, material.poissons_ratio)
-    blocks, loads, size = [assemble_constant_form(form, body)], [], body.doflocs.size
+    elastic = material.youngs_modulus, material.poissons_ratio
+    blocks, loads, size = [elastic_stiffness(body, *elastic)], [], body.doflocs.size
     inner_of = [freedoms(np.setdiff1d(np.arange(len(p.points)), p.interface_nodes)) for p, *_ in patches]
     total, start = size + sum(len(i) for i in inner_of), size
     columns = [sp.eye(size, total)]
     for (mesh, hats, nodes, R), inner in zip(patches, inner_of, strict=True):
-        blocks.append(assemble_constant_form(form, mesh.mesh))
+        blocks.append(elastic_stiffness(mesh.mesh, *elastic))
         own = slice(start, start + len(inner))
         C, load = sp.lil_matrix((3 * len(mesh.points), total)), sp.lil_matrix((hats.shape[0], total))
         C[inner, start + np.arange(len(inner))] = 1.0

@@ -7,7 +7,7 @@ import pytest
 from skfem import MeshTet2
 from tests.fe_meshes import KINDS, LOCAL, jacobians
 
-from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form
+from rollbench.hifi.elements.forms import elastic_stiffness
 from rollbench.meshes import fem
 from rollbench.meshes.fem import build_mesh, node_coordinates, with_node_coordinates
 
@@ -91,8 +91,8 @@ def test_a_cell_that_is_turned_inside_out_between_its_nodes_is_straightened():
     mesh = with_node_coordinates(straight, points)
     assert fem.scaled_jacobians(mesh).min() > 0.0
     with pytest.raises(ValueError, match="inside out"):
-        assemble_constant_form(elasticity_form(1.0, 0.3), mesh)
+        elastic_stiffness(mesh, 1.0, 0.3)
     everything, vertices = np.arange(10), mesh.dofs.element_dofs[:4, 0]
     better, straightened, _ = fem.improve_curved_cells(mesh, "body", everything, vertices)
     assert straightened > 0
-    assemble_constant_form(elasticity_form(1.0, 0.3), better)
+    elastic_stiffness(better, 1.0, 0.3)

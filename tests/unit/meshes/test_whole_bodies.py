@@ -8,7 +8,7 @@ from tests.fe_meshes import area_of, outer_faces, volume_of
 
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.condensation import nut_freedoms_from_free_ones
-from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form
+from rollbench.hifi.elements.forms import elastic_stiffness
 from rollbench.hifi.linear_algebra import factorise_positive_definite
 from rollbench.meshes.exchange import whole_bodies
 from rollbench.meshes.exchange.whole_bodies import ElementSizesNearPoints, mesh_whole_body
@@ -98,7 +98,7 @@ def test_single_bolts_hold_less_than_the_annulus() -> None:
     """The nut pulled along its axis by its lands: fewer bolts, more give; the annulus is stiffer than any number."""
     mesh, given = body(replace(FLANGE, seat=(24e-3, 33e-3))), []
     lands = nodes_on_boundaries(mesh.mesh, "land")
-    K = assemble_constant_form(elasticity_form(210e9, 0.28), mesh.mesh)
+    K = elastic_stiffness(mesh.mesh, 210e9, 0.28)
     pull = np.zeros(K.shape[0])
     pull[3 * lands + 2] = 1.0 / lands.size
     for bolts in (0, 24, 6, 3):
