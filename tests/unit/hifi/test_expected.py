@@ -97,6 +97,3 @@ def test_forces_balance_the_load_and_axes_are_rounded_up():
     for exact, rounded in zip(semi, settings.round_up_lengths(semi), strict=True):
         assert rounded >= exact > rounded - 5e-6
         assert rounded / 5e-6 == pytest.approx(round(rounded / 5e-6))
-
-
-CASE = catalogue.scene("lin-case1")
