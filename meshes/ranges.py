@@ -53,7 +53,7 @@ class QuantityRange:
     @property
     def unit(self) -> str:
         """SI unit of the quantity; empty for plain numbers."""
-        return units.DIMENSIONS[self.dimension][0]
+        return next(iter(units.DIMENSIONS[self.dimension][0]), "")
 
     def si_value(self, value: object) -> float:
         """Convert a value of a scene file to SI units, and check that it is in the allowed range.

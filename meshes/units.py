@@ -11,43 +11,25 @@ import re
 from decimal import Decimal
 from functools import lru_cache
 
-#: SI unit of each dimension, and an example of a quantity as written in a scene file.
-DIMENSIONS = {
-    "length": ("m", "20 mm"),
-    "force": ("N", "5 kN"),
-    "pressure": ("Pa", "210 GPa"),
-    "angle": ("rad", "45 deg"),
-    "moment": ("N m", "3 N m"),
-    "stiffness": ("N/m", "200 N/um"),
-    "temperature difference": ("K", "5 K"),
-    "speed": ("m/s", "10 mm/s"),
-    "angular speed": ("rad/s", "600 rpm"),
-    "time": ("s", "1 s"),
-    "kinematic viscosity": ("m2/s", "27 mm2/s"),
-    "density": ("kg/m3", "900 kg/m3"),
-    "pressure coefficient": ("1/Pa", "20 1/GPa"),
-    "mass": ("kg", "200 kg"),
-    "moment of inertia": ("kg m2", "20 kg cm2"),
-    "number": ("", "0.28"),
-}
-
-#: Common units of each dimension, which error messages suggest.
-COMMON = {
-    "length": ("m", "cm", "mm", "um", "nm", "in", "inch", "thou"),
-    "force": ("N", "kN", "MN", "lbf"),
-    "pressure": ("Pa", "kPa", "MPa", "GPa", "psi"),
-    "angle": ("rad", "mrad", "deg"),
-    "moment": ("N m", "N mm", "kN m", "lbf in"),
-    "stiffness": ("N/m", "N/mm", "N/um", "lbf/in"),
-    "temperature difference": ("K", "degF"),
-    "speed": ("m/s", "mm/s", "um/s", "m/min"),
-    "angular speed": ("rad/s", "deg/s", "rps", "rpm"),
-    "time": ("s", "ms", "min", "h"),
-    "kinematic viscosity": ("m2/s", "mm2/s", "cSt"),
-    "density": ("kg/m3", "g/cm3"),
-    "pressure coefficient": ("1/Pa", "1/GPa"),
-    "mass": ("kg", "g", "t", "lb"),
-    "moment of inertia": ("kg m2", "kg cm2", "kg mm2", "lb in2"),
+#: Common units of each dimension, which error messages suggest, and an example of a quantity as written in a scene file;
+#: the first unit is the SI unit.
+DIMENSIONS: dict[str, tuple[tuple[str, ...], str]] = {
+    "length": (("m", "cm", "mm", "um", "nm", "in", "inch", "thou"), "20 mm"),
+    "force": (("N", "kN", "MN", "lbf"), "5 kN"),
+    "pressure": (("Pa", "kPa", "MPa", "GPa", "psi"), "210 GPa"),
+    "angle": (("rad", "mrad", "deg"), "45 deg"),
+    "moment": (("N m", "N mm", "kN m", "lbf in"), "3 N m"),
+    "stiffness": (("N/m", "N/mm", "N/um", "lbf/in"), "200 N/um"),
+    "temperature difference": (("K", "degF"), "5 K"),
+    "speed": (("m/s", "mm/s", "um/s", "m/min"), "10 mm/s"),
+    "angular speed": (("rad/s", "deg/s", "rps", "rpm"), "600 rpm"),
+    "time": (("s", "ms", "min", "h"), "1 s"),
+    "kinematic viscosity": (("m2/s", "mm2/s", "cSt"), "27 mm2/s"),
+    "density": (("kg/m3", "g/cm3"), "900 kg/m3"),
+    "pressure coefficient": (("1/Pa", "1/GPa"), "20 1/GPa"),
+    "mass": (("kg", "g", "t", "lb"), "200 kg"),
+    "moment of inertia": (("kg m2", "kg cm2", "kg mm2", "lb in2"), "20 kg cm2"),
+    "number": ((), "0.28"),
 }
 
 _PI = "3.14159265358979323846264338328"
@@ -198,8 +180,8 @@ def example_quantity(dimension: str) -> str:
     >>> example_quantity("pressure"), example_quantity("number")
     ('"210 GPa"', '0.28')
     """
-    unit, text = DIMENSIONS[dimension]
-    return f'"{text}"' if unit else text
+    units, text = DIMENSIONS[dimension]
+    return f'"{text}"' if units else text
 
 
 def toml_text(value: object) -> str:
@@ -427,7 +409,7 @@ def _nearest_unit_advice(unit: str, dimension: str) -> str:
     """Return advice on the unknown unit ``unit``: the most similar common unit of the dimension, or all common units."""
     import difflib
 
-    known = COMMON[dimension]
+    known, _ = DIMENSIONS[dimension]
     folded = [u for u in known if u.lower() == unit.lower()]
     near = folded or difflib.get_close_matches(unit, known, n=1, cutoff=0.6)
     return f'did you mean "{near[0]}"?' if near else f"use one of {', '.join(known)}"

@@ -21,7 +21,14 @@ from rollbench.compare.files import ENCODING, NotTextError, decode_text, similar
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.units import COMMON, UnitError, number_advice, number_of_text, parse_quantity, standard_unit_spelling
+from rollbench.meshes.units import (
+    DIMENSIONS,
+    UnitError,
+    number_advice,
+    number_of_text,
+    parse_quantity,
+    standard_unit_spelling,
+)
 
 #: Usual headings of the columns for the ball's number, the flank, and the contact load [N].
 COLUMNS = ("ball", "flank", "newton")
@@ -46,7 +53,7 @@ NAMES = {
 }
 
 #: Units by their spelling in lower case; ``mn`` is omitted because it may be MN or mN.
-FOLDED = {unit.lower(): unit for units in COMMON.values() for unit in units if unit != "MN"}
+FOLDED = {unit.lower(): unit for units, _ in DIMENSIONS.values() for unit in units if unit != "MN"}
 
 FOLDED |= {"newton": "N", "newtons": "N"}
 

@@ -11,11 +11,15 @@ from rollbench.meshes import units
 ELSE = {"ch", "hbar", "kat", "cmil", "pt", "ct", "dat", "kt", "Tt"}
 
 
-@pytest.mark.parametrize("unit", [*units.UNITS, *(unit for names in units.COMMON.values() for unit in names)])
+@pytest.mark.parametrize("unit", [*units.UNITS, *(unit for names, _ in units.DIMENSIONS.values() for unit in names)])
 def test_every_unit_is_that_of_pint(unit):
     """By itself and with each prefix."""
     registry = pytest.importorskip("pint").application_registry.get()
-    of = units.UNITS[unit][0] if unit in units.UNITS else next(of for of, names in units.COMMON.items() if unit in names)
+    of = (
+        units.UNITS[unit][0]
+        if unit in units.UNITS
+        else next(of for of, (names, _) in units.DIMENSIONS.items() if unit in names)
+    )
     for prefix in units.PREFIXES if unit in units.UNITS else ("",):
         name = prefix + unit
         if (of == "temperature difference" and prefix) or {name, unit} & ELSE or (prefix and name in units.UNITS):
