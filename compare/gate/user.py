@@ -72,7 +72,7 @@ def read_reference_file(
     InputError
         If the file cannot be read or does not fit the scene.
     """
-    given = read_loads(path, scene.ball_count, scene, row_filter)
+    given = read_loads(path, scene, row_filter)
     left = [side for side in SIDES if side not in given.flanks_with_rows]
     if left:
         advice = "add the missing rows, with the load 0 for contacts that carry none"
@@ -400,7 +400,7 @@ def _read_files(scene: Solvable, request: GateRequest, warn: Callable[[str], Non
         reference = references_from_file(request.reference, scene, warn, limit, strict=strict, case=case)
     if (file := request.loads) is not None:
         for of, only in nuts_and_bearings_with_row_filter(scene, case):
-            loads.append(read_loads(file, of.ball_count, of, only))
+            loads.append(read_loads(file, of, only))
             _check_unknown_columns(file, loads[-1].unknown_headings, warn, strict=strict)
     if (file := request.values) is not None:
         values, unknown = read_user_values(file, case)

@@ -19,7 +19,7 @@ import numpy as np
 from rollbench.compare.errors import InputError
 from rollbench.compare.files import ENCODING, NotTextError, decode_text, similar_paths
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.units import (
     DIMENSIONS,
@@ -293,7 +293,7 @@ def _check_cells_are_headed(path: Path, line: int, headings: Sequence[str], cell
     raise InputError(str(path), f"line {line}", value, f"{sum(map(bool, headings))}, one for each heading", advice)
 
 
-def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filter: Only = EVERY) -> ContactLoadsFromFile:
+def read_loads(path: Path, scene: Scene, row_filter: Only = EVERY) -> ContactLoadsFromFile:
     """Read contact loads and other contact quantities (angle, pressure, approach) of one load case from a CSV file.
 
     Headings state the units (`parse_heading`). On each flank that the file contains, every ball must have a row, with load
@@ -303,11 +303,9 @@ def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filt
     ----------
     path
         Path of the file.
-    ball_count
-        Number of balls of the scene.
     scene
         Scene. If the file has both azimuth and axial position of the balls, the rows are matched by position to the balls
-        of this scene. None, or if one column is missing: rows are matched by the numbers of the balls.
+        of this scene; if one column is missing, by the numbers of the balls.
     row_filter
         Accepted texts of the columns ``case`` (name of the load case) and ``set`` (name of the nut or bearing); rows with
         other texts are skipped.
@@ -324,8 +322,8 @@ def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filt
     """
     table = CsvTable.from_csv(path, COLUMNS[:2], EXAMPLE)
     columns = _columns_by_heading(path, table)
-    find = None if scene is None or not PLACE.issubset(c.name for c in columns.values()) else _BallFinder(scene)
-    values = {name: np.full((ball_count, len(SIDES)), np.nan) for name in ("load", *FURTHER)}
+    placed, layout = PLACE.issubset(c.name for c in columns.values()), ball_layout(scene)
+    values = {name: np.full((scene.ball_count, len(SIDES)), np.nan) for name in ("load", *FURTHER)}
     cases, renumbered = set(), set()
     for number, row in table.numbered_rows:
         named = {c.name: (head, c.factor, row.get(head.lower(), "")) for head, c in columns.items()}
@@ -339,9 +337,9 @@ def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filt
         if len(cases) > 1:
             advice = "split the file by load case, or delete the rows of other cases"
             raise cells.cell_error("case", cells.text_in_column("case"), "one load case in all rows", advice)
-        ball = cells.ball_index(ball_count) if find is None else find.ball_index_at_position(cells)
+        ball = cells.index_of_placed_ball(scene, layout) if placed else cells.ball_index(scene.ball_count)
         side = cells.flank_index()
-        renumbered |= {ball} if find is not None and cells.text_in_column("ball") != str(ball + 1) else set()
+        renumbered |= {ball} if placed and cells.text_in_column("ball") != str(ball + 1) else set()
         if not np.isnan(values["load"][ball, side]):
             value = f"a second row of ball {ball + 1} {SIDES[side]}"
             raise InputError(str(path), f"line {number}", value, "one row for each contact", "delete one of the rows")
@@ -420,6 +418,23 @@ class _ContactLoadRow:
             raise self.cell_error("flank", flank, ", ".join(SIDES), advice)
         return SIDES.index(flank.upper())
 
+    def index_of_placed_ball(self, scene: Scene, layout: BallLayout) -> int:
+        """Return the index of the ball at the position in the row; InputError if no ball centre is within a ball radius.
+
+        ``layout``: positions of the balls of the scene.
+        """
+        azimuth, z = self.ball_coordinate("azimuth"), self.ball_coordinate("z")
+        turn = np.angle(np.exp(1j * (layout.azimuth - azimuth)))
+        away = np.hypot(scene.track.pitch_radius * turn, layout.z - z)
+        ball = int(away.argmin())
+        if away[ball] > scene.balls.radius:
+            place = f"{np.degrees(azimuth):g} deg, {1e3 * z:g} mm"
+            allowed = f"the position of a ball; the nearest, ball {ball + 1}, is {1e3 * away[ball]:.3g} mm away"
+            advice = "use the positions that `solve` with `loads_csv=FILE` writes, or delete both columns to identify "
+            advice += "balls by their numbers"
+            raise self.cell_error("azimuth, z", place, allowed, advice)
+        return ball
+
     def ball_coordinate(self, name: str) -> float:
         """Return the azimuth [rad] or the axial position [m] of the row's ball; ``name``: "azimuth" or "z"."""
         value, factor, text = self._number_factor_and_text(name)
@@ -445,44 +460,7 @@ class _ContactLoadRow:
     def _number_factor_and_text(self, name: str) -> tuple[float, float, str]:
         """Return the number in this row's cell of column ``name`` (nan: no number), factor to SI, and text of the cell."""
         _, factor, text = self._cells.get(name, ("", 1.0, ""))
-        return number_in_cell(text, decimal_comma=self._comma), factor, text
-
-
-class _BallFinder:
-    """Finds the ball of a scene that lies at the azimuth and axial position stated in a row of a file."""
-
-    def __init__(self, scene: Scene) -> None:
-        """Store the positions of the balls of a scene."""
-        layout = ball_layout(scene)
-        self._azimuth, self._z = layout.azimuth, layout.z
-        self._pitch, self._near = scene.track.pitch_radius, scene.balls.radius
-
-    def ball_index_at_position(self, row: _ContactLoadRow) -> int:
-        """Return the index of the ball at the position in a row; InputError if no ball centre is within a ball radius."""
-        azimuth, z = row.ball_coordinate("azimuth"), row.ball_coordinate("z")
-        turn = np.angle(np.exp(1j * (self._azimuth - azimuth)))
-        away = np.hypot(self._pitch * turn, self._z - z)
-        ball = int(away.argmin())
-        if away[ball] > self._near:
-            place = f"{np.degrees(azimuth):g} deg, {1e3 * z:g} mm"
-            allowed = f"the position of a ball; the nearest, ball {ball + 1}, is {1e3 * away[ball]:.3g} mm away"
-            advice = "use the positions that `solve` with `loads_csv=FILE` writes, or delete both columns to identify "
-            advice += "balls by their numbers"
-            raise row.cell_error("azimuth, z", place, allowed, advice)
-        return ball
-
-
-def number_in_cell(text: str, *, decimal_comma: bool) -> float:
-    """Return the number in a cell of a CSV file; nan if its text is no number.
-
-    Parameters
-    ----------
-    text
-        Text of a cell.
-    decimal_comma
-        Whether a comma is read as the decimal mark.
-    """
-    return number_of_text(text.replace(",", ".") if decimal_comma else text)
+        return number_of_text(text.replace(",", ".") if self._comma else text), factor, text
 
 
 def read_csv_text(path: Path) -> str:

@@ -268,7 +268,7 @@ class ExternalProgram:
         """
         from rollbench.compare.models.loads_file import read_loads
 
-        given = read_loads(path, scene.ball_count, scene)
+        given = read_loads(path, scene)
         given.load[given.load < LEAST] = 0.0
         lacking = [side for side in SIDES if side not in given.flanks_with_rows]
         if lacking:

@@ -22,7 +22,7 @@ from rollbench.compare.scenes.keys import record_from_keys
 from rollbench.lowfi.rollers import tapered_bearing_of_row
 from rollbench.meshes import axis
 from rollbench.meshes.one_arc import has_single_arc_grooves, with_single_arc_grooves
-from rollbench.meshes.parts import FREEDOMS, Ingredients, Material, Scene, Screw
+from rollbench.meshes.parts import FREEDOMS, Ingredients, Material, Scene, Screw, Support
 from rollbench.meshes.ranges import ShareOfLoadRating
 
 #: Values of ``thrust`` for a bearing row that carries axial force in one direction only.
@@ -87,11 +87,11 @@ def shaft_scene_from_keys(
         screw=screw,
         sets=tuple(chain.from_iterable(rows)),
         segments=shaft.plain,
-        housings=tuple(map(_housing_from_keys, keys.housings)),
+        housings=tuple(record_from_keys(axis.Housing, h, stiffness=_stiffness_from_keys(h)) for h in keys.housings),
         joints=tuple(
             axis.Joint(j.between[0], j.between[1], j.at, _stiffness_from_keys(j) or NO_STIFFNESS) for j in keys.joints
         ),
-        supports=tuple(map(from_keys.support_from_keys, keys.supports)),
+        supports=tuple(record_from_keys(Support, support) for support in keys.supports),
         ingredients=record_from_keys(Ingredients, keys.ingredients),
         assumed=(*keys.assumed, *_assumptions_on_nuts_and_bearings(keys, sets)),
         friction=None if keys.friction is None else from_keys.friction_from_keys(keys.friction),
@@ -111,12 +111,6 @@ def _assumptions_on_nuts_and_bearings(keys: schema.ShaftSceneKeys, sets: Sequenc
             if isinstance(one.preload, ShareOfLoadRating):
                 _, rating = from_keys.preload_force_and_rating_text(whole.parts, one.preload)
                 yield f"{whole.name}: preload of {whole.preload:g} N{rating}"
-
-
-def _housing_from_keys(housing: schema.HousingKeys) -> axis.Housing:
-    """Return a housing from its keys in the scene file."""
-    fixed, stiffness = from_keys.support_from_keys(housing).fixed, _stiffness_from_keys(housing)
-    return record_from_keys(axis.Housing, housing, fixed=fixed, stiffness=stiffness)
 
 
 def _describes_one_nut_or_bearing(keys: schema.ShaftSceneKeys) -> bool:

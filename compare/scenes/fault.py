@@ -107,11 +107,9 @@ def value_at_path(raw: Any, path: str) -> Any:
     ``path``: path of the key, such as ``sets[0].balls``.
     """
     for key in re.findall(r"[^.\[\]]+", path):
-        if isinstance(raw, list):
-            raw = raw[int(key)] if key.isdecimal() and int(key) < len(raw) else None
-        elif isinstance(raw, dict):
-            raw = raw.get(key)
-        else:
+        try:
+            raw = raw[int(key) if isinstance(raw, list) else key]
+        except (LookupError, TypeError, ValueError):
             return None
     return raw
 

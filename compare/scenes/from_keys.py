@@ -64,7 +64,7 @@ def scene_from_keys(keys: schema.SceneKeys, name: str) -> parts.Scene:
             balls=record_from_keys(parts.BallErrors, errors.balls, oversize=oversize, listed=listed),
             lead_offset=0.0 if keys.preload is None else keys.preload.lead_offset or 0.0,
         ),
-        supports=tuple(map(support_from_keys, keys.supports)),
+        supports=tuple(record_from_keys(parts.Support, support) for support in keys.supports),
         solid=replace(keys.solid, nut_held=nut.held.at or formerly_held),
         friction=None if keys.friction is None else friction_from_keys(keys.friction),
     )
@@ -185,16 +185,6 @@ def loaded_ball_count(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
     if balls.azimuths is not None:
         return len(balls.azimuths) * track.starts
     return balls.count or ball_count_of_circuit(balls, track) * balls.circuits * track.starts
-
-
-def support_from_keys(support: schema.SupportKeys | schema.HousingKeys) -> parts.Support:
-    """Return a support of the screw, or the fixed degrees of freedom of a housing, from the keys of a scene file.
-
-    The record holds the axial position, and the prescribed value of each fixed degree of freedom.
-    """
-    held: dict[str, float] = dict.fromkeys(support.fix, 0.0)
-    held |= support.displace.given
-    return parts.Support(support.at, tuple((name, held[name]) for name in parts.FREEDOMS if name in held))
 
 
 # --- preload of one nut, converted to the ball oversize that causes it
@@ -327,16 +317,16 @@ def _scene_under_load_case(scene: parts.Scene | Assembly, keys: schema.LoadCaseK
     )
     if isinstance(case, parts.Scene):
         return replace(case, errors=_errors_under_load_case(case, keys))
-    sets = []
-    for one in case.sets:
-        part = one.parts
-        if isinstance(part, parts.Scene):
-            part = replace(part, errors=_errors_under_load_case(part, keys))
-        sets.append(replace(one, parts=part))
+    sets = tuple(
+        replace(one, parts=replace(part, errors=_errors_under_load_case(part, keys)))
+        if isinstance(part := one.parts, parts.Scene)
+        else one
+        for one in case.sets
+    )
     of_case = getattr(keys, "housings", ())
     loaded: dict[str, dict[str, Any]] = {h.name: {"force": h.force, "moment": h.moment} for h in of_case}
     housings = (replace(h, **loaded.get(h.name, {})) for h in case.housings)
-    return replace(case, sets=tuple(sets), housings=tuple(housings))
+    return replace(case, sets=sets, housings=tuple(housings))
 
 
 def _errors_under_load_case(scene: parts.Scene, keys: schema.LoadCaseKeys) -> parts.Errors:
@@ -347,10 +337,8 @@ def _errors_under_load_case(scene: parts.Scene, keys: schema.LoadCaseKeys) -> pa
 
 def _displaced_support(support: parts.Support, keys: schema.LoadCaseKeys) -> parts.Support:
     """Return a support with the displacements that the load case ``keys`` prescribes at the support's position."""
-    moved: dict[str, float] = {}
-    for other in keys.supports:
-        if abs(other.at - support.at) <= MERGE:
-            moved |= other.displace.given
+    here = (other.displace.given for other in keys.supports if abs(other.at - support.at) <= MERGE)
+    moved = {name: value for given in here for name, value in given.items()}
     return replace(support, fixed=tuple((name, moved.get(name, value)) for name, value in support.fixed))
 
 
@@ -420,7 +408,7 @@ def _load_case_support_faults(
             advice = "correct the position, or add the support to the scene"
             yield Fault((f"{case_path}.supports[{j}].at",), f"position of a support of the scene ({places})", advice)
             continue
-        held = {name: i for i, s in supports for name in s.fixed_freedoms}
+        held = {name: i for i, s in supports for name, _ in s.fixed}
         for name in other.displace.given:
             key = f"{case_path}.supports[{j}].displace.{name}"
             if name not in held:

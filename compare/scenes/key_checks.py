@@ -10,7 +10,7 @@ from typing import Any
 from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text, value_at_path
 from rollbench.compare.scenes.from_keys import groove_centre_distance, load_case_faults, loaded_ball_count
 from rollbench.compare.scenes.keys import GrooveKeys
-from rollbench.compare.scenes.schema import BallKeys, FrictionKeys, NutFixingKeys, PreloadKeys, SceneKeys, SupportKeys
+from rollbench.compare.scenes.schema import BallKeys, FrictionKeys, PreloadKeys, SceneKeys, SupportKeys
 from rollbench.meshes.parts import Circulation, Motion, Operation, Time
 from rollbench.meshes.ranges import MAX_BALLS
 from rollbench.meshes.section import MERGE
@@ -34,9 +34,7 @@ def conflicting_key_faults(keys: SceneKeys, tables: Mapping[str, Any]) -> Iterat
     yield from groove_definition_faults(keys.screw, "screw")
     yield from groove_definition_faults(keys.nut, "nut")
     yield from _contact_angle_faults(keys)
-    held = keys.nut.held != NutFixingKeys() or "held" in tables.get("nut", {})
-    if held or keys.nut.flange is not None or keys.solid.nut_held is not None:
-        yield from _nut_fixing_faults(keys, tables)
+    yield from _nut_fixing_faults(keys, tables)
     yield from _ball_arrangement_faults(keys)
     yield from support_faults(keys.supports)
     if keys.motion is not None:
@@ -50,18 +48,17 @@ def conflicting_key_faults(keys: SceneKeys, tables: Mapping[str, Any]) -> Iterat
         yield from _circulation_faults(keys.circulation, bearing=bearing)
     if keys.time is not None:
         yield from simulation_time_faults(keys.time)
-    if keys.track.pitch_diameter is not None:
-        yield from _diameter_faults("track.pitch_diameter", keys.track.pitch_diameter, keys.track.pitch_radius)
-    if balls.diameter is not None:
-        yield from _diameter_faults("balls.diameter", balls.diameter, balls.radius)
+    stated = ("track.pitch_diameter", keys.track.pitch_diameter, keys.track.pitch_radius)
+    for where, diameter, radius in (stated, ("balls.diameter", balls.diameter, balls.radius)):
+        if diameter is not None and abs(diameter - 2.0 * radius) > SAME * radius:
+            allowed = f"{length_text(2.0 * radius)}, twice the radius that is given too"
+            yield Fault((where,), allowed, "leave one of the two out")
     if balls.count is not None and balls.filling is not None:
         yield Fault(("balls.filling",), "either count or filling", "leave one of the two out", "both count and filling")
-    if balls.circuits > 1 or any(x is not None for x in (balls.circuit_gap, balls.azimuths, balls.arcs)):
-        yield from _circuit_faults(keys)
+    yield from _circuit_faults(keys)
     if keys.preload is not None:
         yield from _preload_faults(keys, keys.preload)
-    if keys.operation != Operation():
-        yield from _life_factor_faults(keys.operation)
+    yield from _life_factor_faults(keys.operation)
     if keys.cases:
         yield from load_case_faults(keys)
 
@@ -269,13 +266,6 @@ def support_faults(supports: Sequence[SupportKeys]) -> Iterator[Fault]:
                     break
             else:
                 taken.append((support.at, name, where))
-
-
-def _diameter_faults(where: str, diameter: float, radius: float) -> Iterator[Fault]:
-    """Yield a fault for a diameter [m], with the key ``where``, that contradicts the radius in the same table [m]."""
-    if abs(diameter - 2.0 * radius) > SAME * radius:
-        allowed = f"{length_text(2.0 * radius)}, twice the radius that is given too"
-        yield Fault((where,), allowed, "leave one of the two out")
 
 
 def _circuit_faults(keys: SceneKeys) -> Iterator[Fault]:

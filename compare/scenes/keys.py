@@ -64,7 +64,7 @@ class SceneFileTable:
 
     A table that inherits from a record has those fields of the record as keys that have a description. It adds keys that
     only files have, and replaces fields in whose place a file may have another key; an annotation without a value replaces
-    the type only.
+    the type only, and one that allows None makes the key optional.
     """
 
     __pydantic_config__: ClassVar[Any] = {"extra": "forbid"}
@@ -82,7 +82,8 @@ class SceneFileTable:
             if name not in own and ("description" not in of.metadata or (only and name not in only)):
                 own = own | {name: ClassVar[Any]}
             elif name in own and name not in cls.__dict__:
-                setattr(cls, name, field(default=of.default, metadata=of.metadata))
+                usual = None if str(own[name]).endswith("| None") else of.default
+                setattr(cls, name, field(default=usual, metadata=of.metadata))
         cls.__annotations__ = own
         dataclass(frozen=True, kw_only=True)(cls)
 

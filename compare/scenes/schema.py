@@ -47,11 +47,7 @@ class TrackKeys(keys.RadiusOrDiameter, parts.Track):
     pitch_diameter: ranges.Size | None = scene_key(
         "diameter of the helix of the ball centres (or pitch_radius)", "33 mm", default=None
     )
-    contact_angle: ranges.TrackAngle | None = scene_key(  # type: ignore[assignment]
-        "nominal angle between contact normal and radius; for a bearing clearance may be given instead",
-        "45 deg",
-        default=None,
-    )
+    contact_angle: ranges.TrackAngle | None  # type: ignore[assignment]
     clearance: ClearanceKeys | None = scene_key(
         "clearance of a bearing with single-arc grooves (deep groove, or a row with thrust), instead of contact_angle",
         {"radial": "13 um"},
@@ -152,7 +148,7 @@ class BallErrorKeys(keys.SceneFileTable, parts.BallErrors):
 class ManufacturingErrorKeys(keys.SceneFileTable, parts.Errors):
     """Manufacturing errors of balls and grooves; all are zero if left out."""
 
-    balls: BallErrorKeys = scene_key("errors of the ball radii", {"oversize": "7 um"}, default=BallErrorKeys())
+    balls: BallErrorKeys
 
 
 class DisplacementKeys(keys.SceneFileTable):
@@ -172,8 +168,8 @@ class DisplacementKeys(keys.SceneFileTable):
         return {name: value for name in parts.FREEDOMS if (value := getattr(self, name)) is not None}
 
 
-class SupportKeys(keys.SceneFileTable, parts.Support):
-    """Support of the screw at one axial position."""
+class FixedFreedomKeys(keys.SceneFileTable):
+    """Degrees of freedom in which a support or housing is fixed."""
 
     fix: keys.Freedoms = scene_key("degrees of freedom fixed at zero", ["ux", "uy", "uz"], default=())
     displace: DisplacementKeys = scene_key(
@@ -181,9 +177,14 @@ class SupportKeys(keys.SceneFileTable, parts.Support):
     )
 
     @property
-    def fixed_freedoms(self) -> tuple[str, ...]:
-        """Names of the degrees of freedom that the support fixes: first those held at zero, then those at other values."""
-        return (*self.fix, *self.displace.given)
+    def fixed(self) -> tuple[tuple[str, float], ...]:
+        """Pairs of a fixed degree of freedom, in the order of `FREEDOMS`, and its displacement [m] or rotation [rad]."""
+        held = dict.fromkeys(self.fix, 0.0) | self.displace.given
+        return tuple((name, held[name]) for name in parts.FREEDOMS if name in held)
+
+
+class SupportKeys(FixedFreedomKeys, parts.Support):
+    """Support of the screw at one axial position."""
 
 
 #: List of supports of a scene.
@@ -201,12 +202,8 @@ class FrictionKeys(keys.SceneFileTable, parts.Friction):
         0.1,
         default=None,
     )
-    screw: ranges.Coefficient | None = scene_key(  # type: ignore[assignment]
-        "coefficient of friction at the screw's groove, if it differs from coefficient", default=None
-    )
-    nut: ranges.Coefficient | None = scene_key(  # type: ignore[assignment]
-        "coefficient of friction at the nut's groove, if it differs from coefficient", default=None
-    )
+    screw: ranges.Coefficient | None  # type: ignore[assignment]
+    nut: ranges.Coefficient | None  # type: ignore[assignment]
     coupling: Literal["none", "ball", "balls"] | None = scene_key(
         'former key: "none" is feedback = false, "ball" feedback = true, "balls" feedback = false and neighbours = true',
         "ball",
@@ -391,7 +388,7 @@ class NutOrBearingKeys(keys.SceneFileTable, axis.RollingSet):
     nut: NutKeys | None = scene_key("nut, or outer ring", default=None)
     balls: BallKeys | None = scene_key("balls", default=None)
     errors: ManufacturingErrorKeys = scene_key(
-        "manufacturing errors of balls and grooves", {"seed": 0}, default=ManufacturingErrorKeys()
+        "manufacturing errors of balls and grooves", {"seed": 0}, default=parts.Errors()
     )
     rollers: TaperedRollerKeys | None = scene_key(
         "number and dimensions of tapered rollers, and of their contacts", default=None
@@ -428,13 +425,8 @@ class StiffnessKeys(keys.SceneFileTable):
     )
 
 
-class HousingKeys(StiffnessKeys, axis.Housing):
+class HousingKeys(FixedFreedomKeys, StiffnessKeys, axis.Housing):
     """Rigid housing of nuts or outer rings; in directions that are not fixed or displaced, it moves against its springs."""
-
-    fix: keys.Freedoms = scene_key("degrees of freedom fixed at zero", ["ux", "uy", "rx", "ry", "rz"], default=())
-    displace: DisplacementKeys = scene_key(
-        "degrees of freedom fixed at other values", {"uz": "20 um"}, default=DisplacementKeys()
-    )
 
 
 class JointKeys(StiffnessKeys, axis.Joint):

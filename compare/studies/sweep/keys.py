@@ -20,6 +20,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from rollbench.compare.errors import ArgumentError
+from rollbench.compare.scenes.fault import value_at_path
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.units import COMMA, UNDERSCORE, has_comma_in_number, number_advice, split_quantity_text, toml_text
 
@@ -169,17 +170,13 @@ def _axial_load_path(raw: dict[str, Any], origin: str, argument: str) -> str:
     """Return the path of the axial component of a scene's only axial load. Arguments: see `with_axial_load_key`."""
     named = ((f"{table}[{k}]", row) for table in ("loads", "housings") for k, row in enumerate(raw.get(table, ())))
     forces = {f"{name}.force[2]": row["force"] for name, row in named if isinstance(row.get("force"), list)}
-    axial = [key for key, force in forces.items() if len(force) == 3 and _number_without_unit(force[2])] or list(forces)
+    axial = [
+        key for key, force in forces.items() if len(force) == 3 and float((split_quantity_text(str(force[2])) or "0")[0])
+    ] or list(forces)
     if len(axial) != 1:
         advice = 'name the key, such as "loads[0].force[2]"'
         raise ArgumentError(argument, LOAD, f"a scene with one axial load; this scene has {len(axial)}", advice, origin)
     return axial[0]
-
-
-def _number_without_unit(text: Any) -> float:
-    """Return the number in a text such as "5 kN", here 5, whatever the unit; zero for a text without number."""
-    found = split_quantity_text(str(text))
-    return 0.0 if found is None else float(found[0])
 
 
 def _error_for_vary_text(value: str, allowed: str, advice: str = f"give {_FORM}") -> ArgumentError:
@@ -303,12 +300,7 @@ def _other_keys_for_same_quantity(path: str) -> Iterator[str]:
 def _remove_scene_key(raw: dict[str, Any], key: str) -> bool:
     """Remove a key from a scene's TOML tables, and its table if that gets empty; return whether the key was there."""
     above, _, last = key.rpartition(".")
-    node: Any = raw
-    for step in _key_path_entries(above):
-        try:
-            node = node[step]
-        except (KeyError, IndexError, TypeError):
-            return False
+    node = value_at_path(raw, above)
     if not isinstance(node, dict) or last not in node:
         return False
     del node[last]
@@ -317,18 +309,13 @@ def _remove_scene_key(raw: dict[str, Any], key: str) -> bool:
     return True
 
 
-def _key_path_entries(key: str) -> list[str | int]:
-    """Split a key's path, such as ``loads[0].force[2]``, into names of tables and indices of lists."""
-    return [int(p) if p.isdigit() else p for p in re.findall(r"[^.\[\]]+", key)]
-
-
 def _set_scene_key_value(raw: dict[str, Any], key: str, value: Any) -> None:
     """Set the value of a key in a scene's TOML tables, and create missing tables.
 
     ``key``: path of the key. Raises InputError for the index of a list entry that does not exist, and for a path through a
     value that is no table.
     """
-    *above, last = _key_path_entries(key)
+    *above, last = (int(x) if x.isdigit() else x for x in re.findall(r"[^.\[\]]+", key))
     node: Any = raw
     for step in above:
         _check_path_entry(node, step, key)

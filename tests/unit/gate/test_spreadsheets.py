@@ -23,8 +23,8 @@ def written(folder: Path, head: str, row: str) -> Path:
 
 
 READERS = {
-    "loads": ("ball,flank,newton", "{ball},{side},489,517", lambda file: read_loads(file, 2)),
-    "filled up": ("ball,flank,newton,,", "{ball},{side},489,517,", lambda file: read_loads(file, 2)),
+    "loads": ("ball,flank,newton", "{ball},{side},489,517", lambda file: read_loads(file, TWO)),
+    "filled up": ("ball,flank,newton,,", "{ball},{side},489,517,", lambda file: read_loads(file, TWO)),
     "reference": ("ball,flank,newton", "{ball},{side},489,517", lambda file: read_reference_file(file, TWO)),
     "values": ("quantity,value,unit", "rigidity,540,5,N/um", read_user_values),
 }
@@ -59,7 +59,7 @@ SAVED = [
 @pytest.mark.parametrize("text", SAVED)
 def test_good_files_are_read(tmp_path, text: str) -> None:
     (tmp_path / "a.csv").write_text(text, encoding="utf-8", newline="")
-    found = read_loads(tmp_path / "a.csv", 2)
+    found = read_loads(tmp_path / "a.csv", TWO)
     assert found.flanks_with_rows == ("SL", "NR")
     np.testing.assert_array_equal(found.load, [[100.0, 0.0, 0.0, 90.5], [0.0, 0.0, 0.0, 80.0]])
 
@@ -93,7 +93,7 @@ FAULTY = [
 def test_faulty_loads_are_refused_by_line(tmp_path, old: str, new: str, key: str, words: str) -> None:
     (tmp_path / "a.csv").write_text(GOOD.replace(old, new), encoding="utf-8")
     with pytest.raises(InputError) as caught:
-        read_loads(tmp_path / "a.csv", 2)
+        read_loads(tmp_path / "a.csv", TWO)
     assert caught.value.key == key
     assert words in str(caught.value)
 
@@ -103,7 +103,7 @@ def test_a_row_without_the_word_of_its_case_is_not_left_out(tmp_path) -> None:
     with file.open("a", encoding="utf-8") as more:
         more.write("2,NR,100\n")
     with pytest.raises(InputError, match="case"):
-        read_loads(file, 2, row_filter={"case": ("up",)})
+        read_loads(file, TWO, row_filter={"case": ("up",)})
 
 
 @pytest.mark.parametrize(
@@ -133,7 +133,7 @@ MICRO = "ball,flank,newton,approach_µm", "{ball},{side},489.5,5"
 def test_encodings_that_their_mark_tells_are_read(tmp_path, encoding: str) -> None:
     file = written(tmp_path, *MICRO)
     file.write_text(file.read_text(encoding="utf-8"), encoding=encoding)
-    found = read_loads(file, 2)
+    found = read_loads(file, TWO)
     assert (found.load[1, 3], found.further_quantities["approach"][1, 3]) == pytest.approx((489.5, 5e-6))
 
 
@@ -144,7 +144,7 @@ def test_other_encodings_are_named(tmp_path, encoding: str, words: str) -> None:
     file = written(tmp_path, *MICRO)
     file.write_bytes(file.read_text(encoding="utf-8").encode(encoding))
     with pytest.raises(InputError, match=words):
-        read_loads(file, 2)
+        read_loads(file, TWO)
     scene = tmp_path / "a.toml"
     scene.write_bytes(catalogue.shipped_scene_text("two-balls").replace("Two", "µ").encode(encoding))
     with pytest.raises(InputError, match=words):

@@ -97,7 +97,7 @@ def turned(ball: str) -> int:
 def test_loads_that_solve_writes_are_those_that_check_reads(command, tmp_path) -> None:
     rows, scene = solved_loads(command, tmp_path), catalogue.scene("lin-case1")
     assert (list(rows[0]), len(rows)) == (["ball", "flank", "newton", "azimuth_deg", "z_mm"], 32 * 4)
-    given = loads_file.read_loads(tmp_path / "loads.csv", 32, scene)
+    given = loads_file.read_loads(tmp_path / "loads.csv", scene)
     np.testing.assert_array_equal(given.load, run_model(scene, "lin", ModelOptions()).load)
     assert given.renumbered_ball_count == 0
     found = judged(tmp_path, rows)
