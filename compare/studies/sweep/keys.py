@@ -170,9 +170,8 @@ def _axial_load_path(raw: dict[str, Any], origin: str, argument: str) -> str:
     """Return the path of the axial component of a scene's only axial load. Arguments: see `with_axial_load_key`."""
     named = ((f"{table}[{k}]", row) for table in ("loads", "housings") for k, row in enumerate(raw.get(table, ())))
     forces = {f"{name}.force[2]": row["force"] for name, row in named if isinstance(row.get("force"), list)}
-    axial = [
-        key for key, force in forces.items() if len(force) == 3 and float((split_quantity_text(str(force[2])) or "0")[0])
-    ] or list(forces)
+    numbers = {key: split_quantity_text(str(force[2])) for key, force in forces.items() if len(force) == 3}
+    axial = [key for key, number in numbers.items() if number and float(number[0])] or list(forces)
     if len(axial) != 1:
         advice = 'name the key, such as "loads[0].force[2]"'
         raise ArgumentError(argument, LOAD, f"a scene with one axial load; this scene has {len(axial)}", advice, origin)
