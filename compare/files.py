@@ -55,20 +55,10 @@ _MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BO
 _LAYOUT = b"\t\n\r\f\v"
 
 
-class NotTextError(ValueError):
-    """Error for the bytes of a file that cannot be read as text.
-
-    ``value``: description of what the bytes are, such as "a binary file"; ``advice``: advice to the user.
-    """
-
-    def __init__(self, value: str, advice: str) -> None:
-        """Store the description of the bytes and the advice."""
-        super().__init__(value)
-        self.value, self.advice = value, advice
-
-
 def decode_text(data: bytes) -> str:
-    """Decode the bytes of a file to text; NotTextError for another encoding than UTF-8 or UTF-16, or binary data.
+    """Decode the bytes of a file to text, in UTF-8 or UTF-16.
+
+    ValueError for other bytes; its two arguments are what they are, such as "a binary file", and advice to the user.
 
     Examples
     --------
@@ -85,16 +75,16 @@ def decode_text(data: bytes) -> str:
     return text
 
 
-def _not_text_error(data: bytes, at: int) -> NotTextError:
-    """Return the NotTextError for bytes that cannot be decoded at the index ``at``, with a guess of the cause."""
+def _not_text_error(data: bytes, at: int) -> ValueError:
+    """Return the error for bytes that cannot be decoded at the index ``at``, with a guess of the cause."""
     line = data.count(b"\n", 0, at) + 1
     place = f"line {line}, byte 0x{data[at]:02X}"
     if max(data[0::2].count(0), data[1::2].count(0)) > 0.4 * len(data):  # every other byte of Latin letters and digits
-        return NotTextError("text in UTF-16 without a byte order mark", "save the file as UTF-8")
+        return ValueError("text in UTF-16 without a byte order mark", "save the file as UTF-8")
     if any(byte < 32 and byte not in _LAYOUT for byte in data) or sum(byte > 127 for byte in data) > len(data) // 2:
-        return NotTextError(f"a binary file ({place})", "name a text file in UTF-8")
+        return ValueError(f"a binary file ({place})", "name a text file in UTF-8")
     advice = "save the file as UTF-8 (Latin-1 and Windows-1252 have such bytes for letters like ä and µ)"
-    return NotTextError(f"text in another encoding ({place})", advice)
+    return ValueError(f"text in another encoding ({place})", advice)
 
 
 def did_you_mean(names: Iterable[str]) -> str:
@@ -133,6 +123,51 @@ def similar_paths(path: Path, others: Iterable[str] = ()) -> str:
         files = []
     near = [str(path.parent / name) for name in similar_names(path.name, files)]
     return did_you_mean(near or similar_names(path.name, others))
+
+
+def read_text_file(
+    path: str | Path,
+    kind: str,
+    limit: int,
+    others: Iterable[str] = (),
+    advice: str = "check the path",
+    error: type[InputError] = InputError,
+) -> str:
+    """Return the text of a file of a user; an error if it cannot be read, is not text, or is too large.
+
+    Parameters
+    ----------
+    path
+        Path of the file.
+    kind
+        What the file is, such as "TOML file", for the error message.
+    limit
+        Largest size [bytes].
+    others
+        Names that a path may have been meant for, if no file in its folder has a similar name.
+    advice
+        Advice if the file cannot be opened and no name is similar.
+    error
+        Class of the error.
+    """
+    allowed, size = f"a readable {kind}", f"{limit // 1_000_000} MB"
+    try:
+        if Path(path).is_dir():
+            raise error(str(path), "file", "a directory", allowed, "name a file inside it")
+        if Path(path).exists() and not Path(path).is_file():
+            raise error(str(path), "file", "a pipe or device", allowed, "name a regular file")
+        with open(path, "rb") as file:
+            data = file.read(limit + 1)
+    except (OSError, ValueError) as reason:
+        value = getattr(reason, "strerror", None) or str(reason)
+        near = similar_paths(Path(path), others) if isinstance(reason, FileNotFoundError) else ""
+        raise error(str(path), "file", value.lower(), allowed, near or advice) from None
+    if len(data) > limit:
+        raise error(str(path), "file", f"more than {size}", f"up to {size}", f"check whether this is a {kind}")
+    try:
+        return decode_text(data)
+    except ValueError as reason:
+        raise error(str(path), "file", reason.args[0], f"a {kind}, {ENCODING}", reason.args[1]) from None
 
 
 @contextmanager

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from xml.etree import ElementTree
 
 from rollbench.compare.errors import InputError, one_line
-from rollbench.compare.files import reason_without_figure, replace_file, write_figure, written_together
+from rollbench.compare.files import read_text_file, reason_without_figure, replace_file, write_figure, written_together
 from rollbench.compare.gate.verdict import VerdictRow, subject_text
-from rollbench.compare.models.loads_file import read_csv_text
+from rollbench.compare.models.loads_file import MAX_BYTES
 from rollbench.reports.cells import escape_formula
 
 if TYPE_CHECKING:
@@ -348,7 +348,7 @@ def _read_earlier_verdicts(path: Path) -> dict[Label, RoundedVerdict]:
 
     Raises InputError for a file that does not contain verdicts.
     """
-    text = read_csv_text(path)
+    text = read_text_file(path, "CSV file", MAX_BYTES)
     try:
         if not text.lstrip().startswith("{"):
             return dict(_verdicts_in_csv(text))

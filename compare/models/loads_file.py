@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.files import ENCODING, NotTextError, decode_text, similar_paths
+from rollbench.compare.files import read_text_file
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import SIDES, Scene
@@ -228,7 +228,7 @@ class CsvTable:
         InputError
             If the file cannot be read, lacks a column, or a row does not fit the headings.
         """
-        lines = read_csv_text(path).splitlines()
+        lines = read_text_file(path, "CSV file", MAX_BYTES).splitlines()
         says = SEPARATOR.fullmatch(lines[0]) if lines else None
         begin = 0 if says is None else 1
         above = next((k for k, line in enumerate(lines) if k >= begin and not line.startswith("#")), len(lines))
@@ -461,26 +461,6 @@ class _ContactLoadRow:
         """Return the number in this row's cell of column ``name`` (nan: no number), factor to SI, and text of the cell."""
         _, factor, text = self._cells.get(name, ("", 1.0, ""))
         return number_of_text(text.replace(",", ".") if self._comma else text), factor, text
-
-
-def read_csv_text(path: Path) -> str:
-    """Return the text of a CSV file; InputError if it cannot be read, is not text, or is larger than `MAX_BYTES`."""
-    allowed, advice = "a readable CSV file", "check the path"
-    try:
-        if not path.is_file():
-            value, near = ("no regular file", "") if path.exists() else ("no such file", similar_paths(path))
-            raise InputError(str(path), "file", value, allowed, near or advice)
-        if path.stat().st_size > MAX_BYTES:
-            size = f"{path.stat().st_size / 1e6:.0f} MB"
-            advice = "check whether the file is a table of contact loads"
-            raise InputError(str(path), "file", size, f"up to {MAX_BYTES // 1_000_000} MB", advice)
-        return decode_text(path.read_bytes())
-    except OSError as error:
-        raise InputError(str(path), "file", error.strerror or str(error), allowed, advice) from None
-    except NotTextError as error:
-        raise InputError(str(path), "file", error.value, f"a CSV file, {ENCODING}", error.advice) from None
-    except ValueError as error:
-        raise InputError(str(path), "file", str(error), allowed, advice) from None
 
 
 def _complete_loads(path: Path, load: Array) -> tuple[Array, tuple[str, ...]]:

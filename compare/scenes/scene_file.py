@@ -11,7 +11,7 @@ from typing import Any, cast
 
 from rollbench.compare.case import shipped_toml_files
 from rollbench.compare.errors import SceneError
-from rollbench.compare.files import ENCODING, NotTextError, decode_text, similar_paths
+from rollbench.compare.files import read_text_file
 from rollbench.compare.quantities import count_with_noun
 from rollbench.compare.scenes.duty_cycle import WHOLE, Described, DutyCycle, FrictionScene
 from rollbench.meshes.axis import Assembly
@@ -128,27 +128,8 @@ def kind_of_scene(scene: Described) -> str:
 
 def read_scene_text(path: str | Path) -> str:
     """Return the text of a scene file; SceneError if the file cannot be read, is not text, or is too large."""
-    allowed = "a readable TOML file"
-    try:
-        if Path(path).is_dir():
-            raise SceneError(str(path), "file", "a directory", allowed, "name a file inside it")
-        if Path(path).exists() and not Path(path).is_file():
-            raise SceneError(str(path), "file", "a pipe or device", allowed, "name a regular file")
-        with open(path, "rb") as file:
-            data = file.read(MAX_BYTES + 1)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        near = similar_paths(Path(path), shipped_toml_files("scenes")) if isinstance(error, FileNotFoundError) else ""
-        advice = near or "check the path, or list the scenes of rollbench with: rollbench list"
-        raise SceneError(str(path), "file", reason.lower(), allowed, advice) from None
-    if len(data) > MAX_BYTES:
-        value = f"more than {MAX_BYTES // 1_000_000} MB"
-        allowed = f"up to {MAX_BYTES // 1_000_000} MB"
-        raise SceneError(str(path), "file", value, allowed, "check whether this is a scene file")
-    try:
-        text = decode_text(data)
-    except NotTextError as error:
-        raise SceneError(str(path), "file", error.value, ENCODING, error.advice) from None
+    others, advice = shipped_toml_files("scenes"), "check the path, or list the scenes of rollbench with: rollbench list"
+    text = read_text_file(path, "TOML file", MAX_BYTES, others, advice, SceneError)
     longest = max(map(len, text.splitlines()), default=0)
     if longest > MAX_LINE:
         allowed = f"lines of up to {MAX_LINE} characters"
