@@ -14,6 +14,7 @@ from rollbench.compare.models.set_results import SetResult
 from rollbench.compare.report import parts as report_parts
 from rollbench.compare.results.rows import bearing_and_nut_rows, expected_error_sentence
 from rollbench.compare.results.solved import Result
+from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.friction.solve import solve_friction_of_scene
 from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.lowfi.rating.contacts import RACES, WorstContact
@@ -50,7 +51,7 @@ def result_page_of_shaft(scene_name: str, found: Result, stores: Sequence[Path])
     if not found.converged:
         advice = f"solve the scene to see the reason: rollbench solve {shlex.quote(scene_name)}"
         raise SceneNotCoveredError(scene_name, "scene", f"no usable solution: {result.status}", advice)
-    text = report_parts.scene_file_text(scene_name)
+    text, _ = catalogue.scene_text_and_file_name(scene_name)
     loads = found.figure()
     parts = [
         Section("sets", "Forces and stiffness of nuts and bearings", _force_and_stiffness_tables(found)),

@@ -12,7 +12,6 @@ from rollbench.compare.provenance import SOURCES, source_commit, sources_hash
 from rollbench.compare.results.base import HEADINGS
 from rollbench.compare.results.base import Row as AnswerRow
 from rollbench.compare.running import package_versions
-from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -23,11 +22,6 @@ from rollbench.reports.manifest import sha256
 
 #: Libraries whose versions a page states.
 LIBRARIES = ("numpy", "scipy")
-
-
-def scene_file_text(name: str) -> str:
-    """Return the TOML text of a scene; ``name`` is the name of a shipped scene, or the path of a scene file."""
-    return catalogue.shipped_scene_text(name) if name in catalogue.scene_names() else scene_file.read_scene_text(name)
 
 
 def warnings_and_assumptions_section(result: StaticResult | AxisResult, warnings: Sequence[str] = ()) -> Section:

@@ -192,7 +192,7 @@ def _page_of_load_case(
     errors = (error_with_validation_uncertainty(study, scene.name, DEFAULT, q, solution) for q in QUANTITIES)
     judged = [error for error in errors if error is not None]
     clause = "" if given is None else error_against_file_clause(given, result)
-    text = parts.scene_file_text(scene_name)
+    text, _ = catalogue.scene_text_and_file_name(scene_name)
     title = f"Results by the model {DEFAULT}, each with its expected error"
     sections = (
         Section("scene", "Geometry of the screw or bearing", (sketch_scene(scene, "sketch", SKETCH),)),

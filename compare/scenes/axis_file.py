@@ -533,25 +533,17 @@ def bearings_of_arrangement(
         yield replace(single_bearing, name=name, parts=row, position=at, thrust=way, preload=share)
 
 
-def conformity_for_rigidity(bearing: Scene, preload: float, rigidity: float) -> float:
-    """Return the conformity (groove radius over ball diameter) at which a pair of bearings has a given axial rigidity.
+def with_groove_radii_from_rigidity(
+    bearing: Scene, set_keys: schema.NutOrBearingKeys, file_name: str, set_path: str
+) -> Scene:
+    """Return a bearing with the groove radii that follow from the axial rigidity stated for a pair of such bearings.
 
-    Both grooves of the bearing have this conformity.
-
-    Parameters
-    ----------
-    bearing
-        One bearing of the pair; its groove radii are not used.
-    preload
-        Preload of the pair [N].
-    rigidity
-        Axial rigidity of the pair [N/m].
-
-    Raises
-    ------
-    ValueError
-        If no conformity gives this rigidity.
+    ``bearing``: the bearing, returned unchanged if no rigidity is given; ``set_keys``: its keys, with rigidity and preload
+    of the pair; ``file_name``: name of the file, for messages; ``set_path``: path of the bearing's table in the file, such
+    as ``sets[0]``. InputError if no groove radius gives the rigidity.
     """
+    if set_keys.pair_rigidity is None:
+        return bearing
     from rollbench.lowfi.bearings.angular_contact import bearing_with_contact_angle, conformity_from_pair_rigidity
 
     steel, track = bearing.nut.material, bearing.track
@@ -564,23 +556,10 @@ def conformity_for_rigidity(bearing: Scene, preload: float, rigidity: float) -> 
         steel.youngs_modulus,
         steel.poissons_ratio,
     )
-    return float(conformity_from_pair_rigidity(rows, np.array(preload), np.array(rigidity)))
-
-
-def with_groove_radii_from_rigidity(
-    bearing: Scene, set_keys: schema.NutOrBearingKeys, file_name: str, set_path: str
-) -> Scene:
-    """Return a bearing with the groove radii that follow from the axial rigidity stated for a pair of such bearings.
-
-    ``bearing``: the bearing, returned unchanged if no rigidity is given; ``set_keys``: its keys, with rigidity and preload
-    of the pair; ``file_name``: name of the file, for messages; ``set_path``: path of the bearing's table in the file, such
-    as ``sets[0]``. InputError if no groove radius gives the rigidity.
-    """
-    if set_keys.pair_rigidity is None:
-        return bearing
+    preload, rigidity = np.array(set_keys.pair_preload), np.array(set_keys.pair_rigidity)
     given = f"{1e-6 * set_keys.pair_rigidity:g} N/um at {set_keys.pair_preload:g} N"
     try:
-        implied = conformity_for_rigidity(bearing, set_keys.pair_preload, set_keys.pair_rigidity)
+        implied = float(conformity_from_pair_rigidity(rows, preload, rigidity))
     except ValueError as error:
         allowed = (
             "a rigidity that the pair can have with a possible conformity (groove radius over ball diameter), which is "

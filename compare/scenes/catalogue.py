@@ -111,11 +111,24 @@ def scene_of_any_kind(name_or_path: str) -> Described:
     """
     if name_or_path in shipped_toml_files("scenes"):
         return shipped_scene(name_or_path)
-    if looks_like_path(name_or_path):
-        from rollbench.compare.scenes import scene_file
+    text, file_name = scene_text_and_file_name(name_or_path)
+    from rollbench.compare.scenes import scene_file
 
-        return scene_file.parse_scene(scene_file.read_scene_text(name_or_path), name_or_path)
-    raise _unknown_name_error(name_or_path)
+    return scene_file.parse_scene(text, file_name)
+
+
+def scene_text_and_file_name(name_or_path: str) -> tuple[str, str]:
+    """Return the text of the file of a scene, and the name of the file for error messages.
+
+    ``name_or_path``: name or path as for `scene_of_any_kind`; InputError if there is no such scene.
+    """
+    if name_or_path in shipped_toml_files("scenes"):
+        return shipped_scene_text(name_or_path), f"{name_or_path}.toml"
+    if not looks_like_path(name_or_path):
+        raise _unknown_name_error(name_or_path)
+    from rollbench.compare.scenes import scene_file
+
+    return scene_file.read_scene_text(name_or_path), name_or_path
 
 
 def scene(name_or_path: str) -> Scene:

@@ -91,7 +91,7 @@ def check_table_request(
         If scene, key, unit, quantity or model is unknown.
     """
     described = scene_file.scene_or_shaft_or_raise(catalogue.scene_of_any_kind(scene), scene)
-    text, origin = sample.read_scene_text_and_origin(scene)
+    text, origin = catalogue.scene_text_and_file_name(scene)
     for name in quantities:
         if name not in QUANTITIES:
             raise ArgumentError("quantities", name, ", ".join(QUANTITIES), "give names separated by commas")

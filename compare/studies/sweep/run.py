@@ -555,7 +555,7 @@ def sweep_definition(
     if the scene or the texts cannot be read.
     """
     found = catalogue.scene_of_any_kind(scene)
-    text, origin = sample.read_scene_text_and_origin(scene)
+    text, origin = catalogue.scene_text_and_file_name(scene)
     model = model or (default_model_name(found) if isinstance(found, Assembly) else DEFAULT)
     keys = sweep_keys.with_axial_load_key(sweep_keys.read_varied_keys(vary), scene_file.parse_toml(text, origin), origin)
     return SweepDefinition(text, origin, keys, samples, method, seed, model, tuple(outputs))

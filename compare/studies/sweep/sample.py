@@ -12,7 +12,7 @@ from typing import Any
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.models.many import CONVERGED, Record
 from rollbench.compare.models.registry import AXIS_MODELS, model_by_name
-from rollbench.compare.scenes import catalogue, scene_file, scene_tables
+from rollbench.compare.scenes import scene_file, scene_tables
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.studies import columns
 from rollbench.compare.studies.sweep.keys import VariedKey, tables_with_varied_keys, varied_and_replaced_keys
@@ -73,13 +73,6 @@ def check_model(scene: Described, model: str) -> None:
         model_by_name(model, excluded_names=("condensed",))
     elif model not in AXIS_MODELS:
         raise ArgumentError("model", model, ", ".join(AXIS_MODELS), "choose one of these")
-
-
-def read_scene_text_and_origin(scene: str) -> tuple[str, str]:
-    """Return the text of a scene file, then its name in error messages; ``scene``: name of a shipped scene, or the file."""
-    if scene in catalogue.scene_names():
-        return catalogue.shipped_scene_text(scene), f"{scene}.toml"
-    return scene_file.read_scene_text(scene), scene
 
 
 #: Pattern of the numbers in a reason for which values are refused.

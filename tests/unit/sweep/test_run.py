@@ -81,7 +81,7 @@ def run(folder, samples=40, seed=1):
 
 def sample_of(name, *wanted):
     """The outputs of a shipped scene as it is."""
-    return sample.solve_samples(sample.VariedScene(*sample.read_scene_text_and_origin(name), ()), [()], "lin", *wanted)[0]
+    return sample.solve_samples(sample.VariedScene(*catalogue.scene_text_and_file_name(name), ()), [()], "lin", *wanted)[0]
 
 
 def solution_of(name):
