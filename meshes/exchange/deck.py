@@ -89,16 +89,6 @@ class RigidSection:
 
 
 @dataclass(frozen=True)
-class ContactPair:
-    """Contact pair of an input deck: names of the slave and master surface, which may come into contact."""
-
-    #: Name of the slave surface.
-    slave_surface: str
-    #: Name of the master surface.
-    master_surface: str
-
-
-@dataclass(frozen=True)
 class InputDeck:
     """Contents of an input deck for CalculiX or Abaqus: bodies, rigid sections, contact pairs, boundary conditions."""
 
@@ -108,8 +98,8 @@ class InputDeck:
     rigid_sections: tuple[RigidSection, ...]
     #: Names of the sets of nodes that are fixed in all directions.
     fixed_node_sets: tuple[str, ...]
-    #: Contact pairs.
-    contact_pairs: tuple[ContactPair, ...]
+    #: Contact pairs: names of the slave and the master surface, which may come into contact.
+    contact_pairs: tuple[tuple[str, str], ...]
     #: Slope of the linear pressure-overclosure law of all contacts [Pa/m].
     contact_stiffness: float
     #: Stiffness of every weak spring [N/m].
@@ -371,9 +361,9 @@ def _contact_lines(deck: InputDeck, units: DeckUnits) -> Iterator[str]:
     """Yield the lines of an input deck for the frictionless contact law and all contact pairs."""
     yield from ("*SURFACE INTERACTION, NAME=FRICTIONLESS", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR")
     yield number_text(deck.contact_stiffness / units.stress * units.length)
-    for contact in deck.contact_pairs:
+    for slave, master in deck.contact_pairs:
         yield "*CONTACT PAIR, INTERACTION=FRICTIONLESS, TYPE=SURFACE TO SURFACE"
-        yield f"{contact.slave_surface}, {contact.master_surface}"
+        yield f"{slave}, {master}"
 
 
 def _step_lines(deck: InputDeck, references: dict[str, int], units: DeckUnits) -> Iterator[str]:
@@ -392,8 +382,8 @@ def _step_lines(deck: InputDeck, references: dict[str, int], units: DeckUnits) -
         if loads:
             yield "*CLOAD"
             yield from (f"{place + k // AXES + 1}, {k % AXES + 1}, {number_text(v)}" for k, v in loads)
-    for contact in deck.contact_pairs:
-        yield from (f"*CONTACT PRINT, SLAVE={contact.slave_surface}, MASTER={contact.master_surface}", "CFN")
+    for slave, master in deck.contact_pairs:
+        yield from (f"*CONTACT PRINT, SLAVE={slave}, MASTER={master}", "CFN")
     for section in deck.rigid_sections:
         yield from (f"*NODE PRINT, NSET={section.name}_{motion}\nU" for motion in ("MOVE", "TURN"))
     for body in deck.bodies:

@@ -24,7 +24,7 @@ from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import contact_frame_vectors, normal_between_hemispheres
 from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
 from rollbench.meshes.exchange import whole_bodies
-from rollbench.meshes.exchange.deck import ContactPair, DeckBody, InputDeck, RigidSection, outer_faces_of_tetrahedra
+from rollbench.meshes.exchange.deck import DeckBody, InputDeck, RigidSection, outer_faces_of_tetrahedra
 from rollbench.meshes.exchange.whole_bodies import ElementSizesNearPoints, ExportedBodyMesh
 from rollbench.meshes.groove import GroovedBodySpec
 from rollbench.meshes.groove_map import GrooveMap
@@ -341,7 +341,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     count = sum(len(b.points) for b in bodies)
     smaller = "lower `b_over_h`, raise `growth`, or cut the screw by `balls`"
     raise_first_fault(scene.name, [(count > MOST_NODES, "deck", f"{count} nodes", f"at most {MOST_NODES} nodes", smaller)])
-    contacts = tuple(ContactPair(ball_contact_face_set_name(p), groove_contact_face_set_name(p)) for p in places)
+    contacts = tuple((ball_contact_face_set_name(p), groove_contact_face_set_name(p)) for p in places)
     sections = _rigid_sections_of_screw(scene, dims)
     comment, title = _deck_comment_lines(scene, dims, found, fine, count, options), f"{scene.name}: {scene.title}"
     cuts = tuple(f"{b.name}_CUT" for b in bodies if options.half)

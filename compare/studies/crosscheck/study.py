@@ -272,7 +272,7 @@ def calculix_run_record(
     forces = {slave: mirror * np.array(force) for slave, force in outcome.forces.items()}
     count = len(meshed.expected_loads)
     load, resultant = np.zeros((count, len(SIDES))), np.zeros((count, 3))
-    for faces in (contact.slave_surface for contact in meshed.deck.contact_pairs):
+    for faces, _ in meshed.deck.contact_pairs:
         if faces not in forces:
             raise ValueError(
                 f"CalculiX printed no contact force for the faces {faces}: every contact of the deck needs one"

@@ -119,12 +119,12 @@ class VariedKey:
         return self.shown_name or (f"{first} (+{len(others)})" if others else first)
 
 
-def read_varied_keys_of_table(texts: Sequence[str], argument: str = "over") -> tuple[VariedKey, ...]:
+def read_varied_keys_of_table(texts: Sequence[str]) -> tuple[VariedKey, ...]:
     """Read the varied keys of a table from texts, each with all its values.
 
-    ``texts``: a text for each key, such as ``track.contact_angle=40:50:3 deg``; ``argument``: name of the argument in error
-    messages. The texts have the form that `read_varied_keys` reads, but a range needs a number of values, and the list of
-    texts may be empty. Raises InputError for anything else.
+    ``texts``: a text for each key, such as ``track.contact_angle=40:50:3 deg``. The texts have the form that
+    `read_varied_keys` reads, but a range needs a number of values, and the list of texts may be empty. Raises InputError
+    for anything else.
     """
     try:
         keys = read_varied_keys(texts) if texts else ()
@@ -133,7 +133,7 @@ def read_varied_keys_of_table(texts: Sequence[str], argument: str = "over") -> t
                 allowed = "a range with the number of its values, KEY=A:B:N, or a list of values, KEY=v1,v2"
                 raise _error_for_vary_text(one.stated_text, allowed, f"write for example {one.key}=1:5:9")
     except ArgumentError as error:
-        raise ArgumentError(argument, *error.args[1:]) if error.key == "vary" else error from None
+        raise ArgumentError("over", *error.args[1:]) if error.key == "vary" else error from None
     return keys
 
 

@@ -82,7 +82,7 @@ class SweepDefinition(sample.VariedScene):
         for name in self.outputs:
             if name not in COLUMNS:
                 raise ArgumentError("outputs", name, ", ".join(COLUMNS), "give names separated by commas")
-        scene = scene_tables.scene_from_tables(scene_file.parse_toml(self.text, self.origin), self.origin)
+        scene = scene_tables.scene_from_tables(self.tables, self.origin)
         sample.check_model(scene, self.model)
         scene_file.scenes_to_solve(scene, self.origin)
         self.check_keys()

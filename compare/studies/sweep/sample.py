@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -18,15 +18,6 @@ from rollbench.compare.studies import columns
 from rollbench.compare.studies.sweep.keys import VariedKey, tables_with_varied_keys, varied_and_replaced_keys
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
-
-
-@lru_cache(maxsize=8)
-def _cached_toml_tables(text: str, origin: str) -> dict[str, Any]:
-    """Return the TOML tables in the text of a scene file; equal texts are read only once.
-
-    ``origin``: name of the file for error messages.
-    """
-    return scene_file.parse_toml(text, origin)
 
 
 @dataclass(frozen=True)
@@ -45,16 +36,20 @@ class VariedScene:
         """Name of the scene file without the folder in which it lies; results name the scene by it."""
         return Path(self.origin).name
 
+    @cached_property
+    def tables(self) -> dict[str, Any]:
+        """TOML tables of the scene file, which must not be changed."""
+        return scene_file.parse_toml(self.text, self.origin)
+
     def check_keys(self) -> None:
         """Raise InputError if the scene does not allow a value of a key."""
-        raw = scene_file.parse_toml(self.text, self.origin)
         for vary in self.keys:
             for value in vary.trial_values:
-                scene_tables.validated_keys(tables_with_varied_keys(raw, [vary], [value]), self.origin)
+                scene_tables.validated_keys(tables_with_varied_keys(self.tables, [vary], [value]), self.origin)
 
     def say_which_keys_are_replaced(self, show_progress: Callable[[str], None]) -> None:
         """Show a line for each key of the scene that a varied key replaces."""
-        for path, other in varied_and_replaced_keys(scene_file.parse_toml(self.text, self.origin), self.keys):
+        for path, other in varied_and_replaced_keys(self.tables, self.keys):
             show_progress(f"{path} replaces {other} of the scene")
 
     def at(self, values: Sequence[Any], origin: str = "") -> Described:
@@ -62,9 +57,8 @@ class VariedScene:
 
         ``origin``: name of the scene file in errors; if empty, `file_name`.
         """
-        origin = origin or self.file_name
-        tables = tables_with_varied_keys(_cached_toml_tables(self.text, origin), self.keys, values)
-        return scene_tables.scene_from_tables(tables, origin)
+        tables = tables_with_varied_keys(self.tables, self.keys, values)
+        return scene_tables.scene_from_tables(tables, origin or self.file_name)
 
 
 def check_model(scene: Described, model: str) -> None:

@@ -57,7 +57,7 @@ def stack() -> deck.InputDeck:
         bodies.append(deck.DeckBody(name, x, cells, parts.Material(1e9, 0.0), ends, {f"{name}_FACE": middle}))
     at, held, pressed = np.array([0.0, 0.0, 2e-3]), tuple((k, 0.0) for k in (0, 1, 3, 4, 5)), -10.0 * np.eye(6)[2]
     section = deck.RigidSection("PUSH", "HIGH", "HIGH_END", at, held, pressed, (2,))
-    contact = deck.ContactPair("HIGH_FACE", "LOW_FACE")
+    contact = ("HIGH_FACE", "LOW_FACE")
     return deck.InputDeck(
         tuple(bodies), (section,), ("LOW_END",), (contact,), 1e16, 1.0, ("a comment",), "two cubes of 1 mm³"
     )
