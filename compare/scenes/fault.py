@@ -125,20 +125,6 @@ INDEPENDENT_TABLES |= {"friction", "motion", "gate", "operation", "rating"}
 UNKNOWN_KEY_ERRORS = ("extra_forbidden", "unexpected_keyword_argument")
 
 
-@dataclass(frozen=True)
-class KeyFaults:
-    """Faults of a scene file's keys, and top-level tables and keys in which faulty values were replaced or removed."""
-
-    #: Key, value, allowed values and advice for each fault.
-    messages: tuple[FaultMessage, ...] = ()
-    #: Names of the top-level tables and keys in which a faulty value was replaced by an example, or removed.
-    replaced_names: frozenset[str] = frozenset()
-
-    def concern_values_of_file(self, keys: Sequence[str]) -> bool:
-        """Return whether a fault of the keys ``keys`` is in the file itself, not in an example that replaced a value."""
-        return not any(key.split(".")[0].split("[")[0] in self.replaced_names for key in keys)
-
-
 def validate_or_raise(tables: Mapping[str, Any], key_class: type[Keys], file_name: str) -> Keys:
     """Return the validated keys of a scene file, or raise a SceneError that lists the faults of all keys.
 
@@ -151,35 +137,37 @@ def validate_or_raise(tables: Mapping[str, Any], key_class: type[Keys], file_nam
     file_name
         Name of the file, for the error message.
     """
-    try:
-        return reader_of_tables(key_class).validate_python(tables)  # type: ignore[no-any-return]
-    except ValidationError as error:
-        raise scene_error_of_all_faults(file_name, messages_of_key_faults(key_class, error)) from None
+    keys, messages, _ = validate_and_collect_faults(tables, key_class)
+    if keys is None or messages:
+        raise scene_error_of_all_faults(file_name, messages)
+    return keys
 
 
-def validate_and_collect_faults(tables: Mapping[str, Any], key_class: type[Keys]) -> tuple[Keys | None, KeyFaults]:
+def validate_and_collect_faults(
+    tables: Mapping[str, Any], key_class: type[Keys]
+) -> tuple[Keys | None, list[FaultMessage], set[str]]:
     """Return the validated keys of a scene file, and the faults of all keys; reading continues after a fault.
 
     ``tables``: tables of the file; ``key_class``: class of its keys. A faulty value is replaced by the example of
     its key, and an unknown key is left out. The returned keys are None if the file cannot be read even so, for example if a
-    whole table is missing.
+    whole table is missing. The third value names the top-level tables and keys in which a value was replaced or removed.
     """
     try:
-        return reader_of_tables(key_class).validate_python(tables), KeyFaults()
+        return reader_of_tables(key_class).validate_python(tables), [], set()
     except ValidationError as error:
         faults = error.errors(include_url=False)
-        texts = tuple(messages_of_key_faults(key_class, error))
+        texts = messages_of_key_faults(key_class, error)
     schema, rest, names = scene_schema_of_kind(key_class), deepcopy(dict(tables)), set()  # type: ignore[arg-type]
     for fault in faults:
         where = fault["loc"]
         whole = len(where) == 1 and fault["type"] in UNKNOWN_KEY_ERRORS  # the key that is probably meant is missing
         names |= {message_on_unknown_key(schema, fault)[1]} - {""} if whole else {str(key) for key in where[:1]}
         if not where or not _replace_faulty_value(rest, where, fault["type"], schema_part_at_path(schema, where)):
-            return None, KeyFaults(texts, frozenset(names))
+            return None, texts, names
     try:
-        return reader_of_tables(key_class).validate_python(rest), KeyFaults(texts, frozenset(names))
+        return reader_of_tables(key_class).validate_python(rest), texts, names
     except ValidationError:
-        return None, KeyFaults(texts, frozenset(names))
+        return None, texts, names
 
 
 def _replace_faulty_value(raw: Any, where: Sequence[int | str], kind: str, node: Mapping[str, Any]) -> bool:
@@ -225,17 +213,12 @@ def messages_of_key_faults(key_class: type, error: ValidationError) -> list[Faul
             words, name = message_on_unknown_key(schema, fault)
             named.add((*where[:-1], name))
             out.append(words)
-        elif not ((fault["type"] == "missing" and where in named) or _is_list_short_by_faulty_entries(fault)):
+            continue
+        # pydantic does not count the faulty entries of a list, and so may report that it is too short
+        short = fault["type"] == "too_short" and len(fault["input"]) >= fault["ctx"]["min_length"]
+        if not short and not (fault["type"] == "missing" and where in named):
             out.append(_refused_value_text(schema, fault))
     return out
-
-
-def _is_list_short_by_faulty_entries(fault: Any) -> bool:
-    """Return whether pydantic reports a list as too short only because it does not count the list's faulty entries.
-
-    ``fault``: an entry of pydantic's list of errors.
-    """
-    return bool(fault["type"] == "too_short" and len(fault["input"]) >= fault["ctx"]["min_length"])
 
 
 def _key_path(where: Sequence[int | str]) -> str:

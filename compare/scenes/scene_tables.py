@@ -85,15 +85,16 @@ def single_nut_scene_from_tables(tables: dict[str, Any], file_name: str) -> Scen
     ``tables``: the tables; ``file_name``: name of the file, for messages. Raises a SceneError that lists all faults that
     can be detected in one reading of the file.
     """
-    keys, key_faults = fault.validate_and_collect_faults(tables, SceneKeys)
+    keys, messages, replaced = fault.validate_and_collect_faults(tables, SceneKeys)
     faults = [] if keys is None else list(conflicting_key_faults(keys, tables))
     scene = None
-    if keys is not None and not faults and key_faults.replaced_names <= fault.INDEPENDENT_TABLES:
+    if keys is not None and not faults and replaced <= fault.INDEPENDENT_TABLES:
         scene = scene_from_keys(keys, escape_unprintable(Path(file_name).stem))
         faults = _geometry_or_contact_faults(scene)
-    if keys is None or scene is None or faults or key_faults.messages:
-        told = [one for one in faults if key_faults.concern_values_of_file(one.keys)]
-        raise fault.scene_error_of_all_faults(file_name, [*key_faults.messages, *fault.messages_of_faults(tables, told)])
+    if keys is None or scene is None or faults or messages:
+        # a fault that an example may have caused, which replaced a value, is not told
+        told = [one for one in faults if not any(key.replace("[", ".").split(".")[0] in replaced for key in one.keys)]
+        raise fault.scene_error_of_all_faults(file_name, [*messages, *fault.messages_of_faults(tables, told)])
     if keys.preload is not None:
         scene = with_preload_as_oversize(scene, keys.preload)
         fault.raise_scene_error_for_faults(file_name, tables, _geometry_or_contact_faults(scene))
