@@ -34,7 +34,8 @@ def conflicting_key_faults(keys: SceneKeys, tables: Mapping[str, Any]) -> Iterat
     yield from groove_definition_faults(keys.screw, "screw")
     yield from groove_definition_faults(keys.nut, "nut")
     yield from _contact_angle_faults(keys)
-    yield from _nut_fixing_faults(keys, tables)
+    if keys.nut.flange is not None or keys.solid.nut_held is not None or "held" in tables.get("nut", {}):
+        yield from _nut_fixing_faults(keys, tables)
     yield from _ball_arrangement_faults(keys)
     yield from support_faults(keys.supports)
     if keys.motion is not None:
@@ -55,10 +56,12 @@ def conflicting_key_faults(keys: SceneKeys, tables: Mapping[str, Any]) -> Iterat
             yield Fault((where,), allowed, "leave one of the two out")
     if balls.count is not None and balls.filling is not None:
         yield Fault(("balls.filling",), "either count or filling", "leave one of the two out", "both count and filling")
-    yield from _circuit_faults(keys)
+    if balls.circuits > 1 or any(x is not None for x in (balls.circuit_gap, balls.azimuths, balls.arcs)):
+        yield from _circuit_faults(keys)
     if keys.preload is not None:
         yield from _preload_faults(keys, keys.preload)
-    yield from _life_factor_faults(keys.operation)
+    if keys.operation != Operation():
+        yield from _life_factor_faults(keys.operation)
     if keys.cases:
         yield from load_case_faults(keys)
 
