@@ -238,12 +238,22 @@ def parse_quantity(value: object, dimension: str) -> float:
     >>> parse_quantity("2 lbf in", "moment"), parse_quantity("45 deg", "angle")
     (0.2259696580552334, 0.7853981633974483)
     """
-    if dimension == "number":
-        return _plain_number(value)
-    if isinstance(value, bool) or not isinstance(value, str):
+    if dimension != "number":
+        if isinstance(value, str):
+            return _parse_text_cached(value, dimension)
         missing = isinstance(value, (int, float)) and not isinstance(value, bool)
         raise UnitError(value, dimension, "has no unit" if missing else "is not text")
-    return _parse_text_cached(value, dimension)
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        advice = "write a number without quotes or unit"
+        advice = number_advice(value, advice) if isinstance(value, str) else advice
+        raise UnitError(value, "number", "is not a plain number", advice)
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise UnitError(value, "number", "is not finite", "write a finite number")
+    return number
 
 
 @lru_cache(maxsize=1024)
@@ -270,21 +280,6 @@ def _parse_text_cached(value: str, dimension: str) -> float:
     if not math.isfinite(result):
         raise UnitError(value, dimension, "is too large for a floating-point number")
     return result
-
-
-def _plain_number(value: object) -> float:
-    """Return a value without unit as a float, or raise UnitError where it is not a finite number."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        advice = "write a number without quotes or unit"
-        advice = number_advice(value, advice) if isinstance(value, str) else advice
-        raise UnitError(value, "number", "is not a plain number", advice)
-    try:
-        number = float(value)
-    except OverflowError:
-        number = math.inf
-    if not math.isfinite(number):
-        raise UnitError(value, "number", "is not finite", "write a finite number")
-    return number
 
 
 def split_quantity_text(text: str) -> tuple[str, str] | None:

@@ -172,16 +172,9 @@ def _diameter_faults(scene: Scene) -> Iterator[Fault]:
     if scene.nut.outer_diameter <= high:
         advice = "check that this is a diameter, not a radius: the nut must enclose the balls"
         yield Fault(("nut.outer_diameter",), f"above {length_text(high)} (pitch diameter + ball diameter)", advice)
-    if low < scene.screw.outer_diameter < high and scene.screw.bore < low:
-        yield from _reduced_section_faults(scene)
-
-
-def _reduced_section_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of a screw whose beam cross-section, reduced for the groove, has no material left.
-
-    The cross-section is reduced after Lin (2019), eqs. (C.6) to (C.8). A rigid screw has no such faults.
-    """
-    if scene.ingredients.screw == "rigid" or scene.screw.groove_radius <= scene.balls.radius:  # the latter is told already
+    # the beam's cross-section, reduced for the groove after Lin (2019), eqs. (C.6) to (C.8), needs material
+    beam = scene.ingredients.screw != "rigid" and scene.screw.groove_radius > scene.balls.radius  # else told already
+    if not (beam and low < scene.screw.outer_diameter < high and scene.screw.bore < low):
         return
     ratio = grooved_volume_ratio(scene)
     if ratio <= 0.0:
@@ -315,32 +308,17 @@ def _ball_position_faults(scene: Scene, radii: Array) -> Iterator[Fault]:
         advice = "enlarge the lead or use smaller balls: those of neighbouring turns would overlap"
         yield Fault(("track.lead",), allowed, advice)
         return
-    pair = first_overlapping_balls(centres, radii)
-    if pair is not None:
-        i, j = pair
-        apart = float(np.linalg.norm(centres[i] - centres[j]))
-        value = f"overlapping balls {i + 1} and {j + 1} with centres {length_text(apart)} apart"
-        allowed = f"centres at least {length_text(float(radii[i] + radii[j]))} apart"
-        yield Fault(where, allowed, "use fewer or smaller balls, or spread them over more turns", value)
-
-
-def first_overlapping_balls(centres: Array, radii: Array) -> tuple[int, int] | None:
-    """Return the indices of the first two balls that overlap, the lower index first; None if no balls overlap.
-
-    Parameters
-    ----------
-    centres
-        Ball centres ``(n, 3)`` [m].
-    radii
-        Ball radii ``(n,)`` [m]; touching balls do not overlap.
-    """
     following = np.arange(len(radii) - 1)[:, None] + np.array([0, 1])
     for pairs in (following, None):  # neighbours first: if they overlap, there may be very many close pairs
         i, j = (pairs_of_close_points(centres, 2.0 * float(radii.max(initial=0.0))) if pairs is None else pairs).T
-        bad = np.flatnonzero(np.linalg.norm(centres[i] - centres[j], axis=1) < radii[i] + radii[j] - TOLERANCE)
+        apart, least = np.linalg.norm(centres[i] - centres[j], axis=1), radii[i] + radii[j]
+        bad = np.flatnonzero(apart < least - TOLERANCE)
         if bad.size:
-            return int(i[bad[0]]), int(j[bad[0]])
-    return None
+            k = bad[0]
+            value = f"overlapping balls {i[k] + 1} and {j[k] + 1} with centres {length_text(float(apart[k]))} apart"
+            allowed = f"centres at least {length_text(float(least[k]))} apart"
+            yield Fault(where, allowed, "use fewer or smaller balls, or spread them over more turns", value)
+            return
 
 
 def _ball_circuit_faults(scene: Scene) -> Iterator[Fault]:
