@@ -23,7 +23,6 @@ pytestmark = pytest.mark.xdist_group("run in time")
 
 SCENES = {
     "balls that meet": lambda: crowded(),
-    "left hand": lambda: crowded(hand="left"),
     "bearing": lambda: sparse(),
     "two starts, uneven flanks": lambda: two_starts(),
 }
@@ -63,7 +62,7 @@ def test_energy_load_and_order_at_every_instant(name, motion, friction):
         assert force.min() >= 0.0
         assert np.max(gap[force > 0.0], initial=0.0) < 1e-9
     if motion is TURN and not friction.feedback:
-        assert (h.ball_force > 0.0).any() == (name in ("balls that meet", "left hand"))
+        assert (h.ball_force > 0.0).any() == (name == "balls that meet")
 
 
 def test_a_tiny_run_is_the_state_at_the_instant_and_reversed_loses_the_same():

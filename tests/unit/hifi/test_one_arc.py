@@ -22,13 +22,13 @@ COARSE = replace(SMALL, b_over_h=1.0, semi=(0.9e-3, 0.2e-3), reach=(1.1e-3, 0.2e
 @pytest.mark.slow
 @pytest.mark.usefixtures("_one_submodel")
 @pytest.mark.parametrize(
-    ("contact_angle", "arcs", "moved", "sides", "close"),
+    ("contact_angle", "arcs", "moved", "close"),
     [
-        pytest.param(0.01, None, (10e-6, 30e-6), (0, 3), 0.03, id="radial"),
-        pytest.param(6.0, "+z", (8e-6, 5e-6), (0, 3), 0.05, id="thrust upwards"),
+        pytest.param(0.01, None, (10e-6, 30e-6), 0.03, id="radial"),
+        pytest.param(6.0, "+z", (8e-6, 5e-6), 0.05, id="thrust upwards"),
     ],
 )
-def test_loads_are_those_of_elastic_rings(contact_angle, arcs, moved, sides, close) -> None:
+def test_loads_are_those_of_elastic_rings(contact_angle, arcs, moved, close) -> None:
     """Also of a row that carries thrust one way, whose ellipses, about 6 deg wide about a contact angle of 6 deg, meet the
     bottom of the groove: two arcs would end at an apex under them. The mesh is coarse."""
     scene = bearing(contact_angle, 0.0, 0.0)
@@ -40,13 +40,12 @@ def test_loads_are_those_of_elastic_rings(contact_angle, arcs, moved, sides, clo
         balls=replace(scene.balls, azimuths=(-0.4, 0.5)),
         supports=(Support(0.008, fixed),),
     )
-    assert flanks_to_mesh(scene) == sides
-    found, low = solve_reference(mesh_and_condense_geometry(scene, sides, COARSE), scene), solve_elastic(scene)
+    assert flanks_to_mesh(scene) == (0, 3)
+    found, low = solve_reference(mesh_and_condense_geometry(scene, (0, 3), COARSE), scene), solve_elastic(scene)
     assert found.status == "converged"
-    used = list(sides)
-    np.testing.assert_allclose(found.contact_loads[:, used], low.load[:, used], rtol=close)
-    np.testing.assert_allclose(found.contact_angles[:, used[0]], low.contact_angle[:, used[0]], atol=np.radians(0.3))
-    assert not np.delete(found.contact_loads, used, axis=1).any()
+    np.testing.assert_allclose(found.contact_loads[:, [0, 3]], low.load[:, [0, 3]], rtol=close)
+    np.testing.assert_allclose(found.contact_angles[:, 0], low.contact_angle[:, 0], atol=np.radians(0.3))
+    assert not found.contact_loads[:, [1, 2]].any()
 
 
 @pytest.mark.parametrize("way", ["+z", "-z"])

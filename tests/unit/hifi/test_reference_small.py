@@ -10,11 +10,10 @@ import pytest
 from tests.shipped_texts import own_text
 from tests.two_balls import SMALL, two_balls
 
-from rollbench.compare.scenes import catalogue
 from rollbench.hifi import reference, setup
 from rollbench.hifi.setup import RecordJob, compute_records
 from rollbench.meshes.cache import Cache
-from rollbench.meshes.parts import FourierTerm, Load, SideErrors, Support
+from rollbench.meshes.parts import FourierTerm, SideErrors, Support
 
 pytestmark = [pytest.mark.xdist_group("helped by processes"), pytest.mark.slow]
 
@@ -36,27 +35,6 @@ def test_balance_and_that_what_is_left_out_changes_the_answer(small):
         assert np.abs(other.contact_loads - result.contact_loads).max() > 1e-6 * result.contact_loads.max(), name
     with pytest.raises(ValueError, match="got elastic ball"):
         reference.solve_reference(small, small.scene, leave_out=frozenset(["elastic ball"]))
-
-
-@pytest.mark.usefixtures("_one_submodel")
-def test_two_opposite_balls_without_lead_carry_the_same():
-    """A ring free to tilt on two opposite balls: statics alone divides the load."""
-    s = catalogue.scene("bearing-9")
-    scene = replace(
-        s,
-        balls=replace(s.balls, azimuths=(0.0, np.pi)),
-        loads=(Load(8e-3, (0.0, 0.0, 600.0)),),
-        supports=(Support(8e-3, (("uy", 0.0), ("rx", 0.0), ("rz", 0.0))),),
-    )
-    names, ratio = ("fine", "coarse", "ball_fine", "ball_coarse"), s.balls.radius / 2.778e-3
-    sizes = {name: ratio * getattr(SMALL, name) for name in names}
-    own = {"own_sizes": (sizes["fine"], sizes["coarse"]), "own_ball_sizes": (sizes["ball_fine"], sizes["ball_coarse"])}
-    settings = replace(SMALL, semi=(1.0e-3, 0.3e-3), reach=(1.0e-3, 0.3e-3), modes=16, ball_modes=16, **sizes, **own)
-    result = reference.solve_reference(setup.mesh_and_condense_geometry(scene, (0, 3), settings), scene)
-    assert result.status == "converged"
-    load = result.contact_loads[:, [0, 3]]
-    assert np.ptp(load) < 1e-6 * load.mean()
-    assert load.mean() * 2.0 * np.sin(result.contact_angles[0, 0]) == pytest.approx(600.0, rel=5e-3)
 
 
 def test_ball_errors_and_lost_contact(small):
