@@ -35,12 +35,10 @@ SEVERAL_CORES = pytest.mark.skipif(os.cpu_count() == 1, reason="with one core ev
 
 
 KINDS = [
-    "solve lin-case1",
     shlex.join(LIN),
     "compare lin-case1",
     "export two-balls nut --out nut.vtu",
     "sweep lin-case1-cut --vary 'errors.balls.oversize=1 um:3 um' --samples 8 --model lin",
-    pytest.param("friction lin-case1", marks=pytest.mark.slow),
     pytest.param("compare lin-case1-cut --levels 1 --fresh", marks=pytest.mark.slow),
 ]
 

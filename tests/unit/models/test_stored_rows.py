@@ -78,18 +78,16 @@ def answers(command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 
 
 @each_spelling
-def test_stored_rows_are_not_solved_again_and_answer_the_same(name, answers, monkeypatch) -> None:
-    spelling = SPELLINGS[name]
+def test_rows_are_solved_once_and_after_a_kill_those_that_it_cut_off(name, answers, command, tmp_path, monkeypatch) -> None:
+    """With a folder, read from it and after a kill the answer is that without; the folder is of no other computation."""
+    spelling, solve_row, solved = SPELLINGS[name], many._solve_row, []
     alone = answers(spelling, stored=False)
     assert answers(spelling) == alone
-    monkeypatch.setattr(many, "_solve_row", gone)
-    assert answers(spelling) == alone
-
-
-@each_spelling
-def test_rows_that_a_kill_has_cut_off_are_solved_and_no_others(name, answers, tmp_path, monkeypatch) -> None:
-    spelling, solve_row, solved = SPELLINGS[name], many._solve_row, []
-    alone = answers(spelling)
+    with monkeypatch.context() as patch:
+        patch.setattr(many, "_solve_row", gone)
+        assert answers(spelling) == alone
+    words = "got the folder of another computation; allowed: a new folder"
+    assert f"{spelling.store}: {words}" in command.refused(*spelling.other, spelling.store, "rows")
     files = [*(tmp_path / "rows" / many.RECORDS).glob("*.lines")]
     lines = [line for file in files for line in file.read_bytes().splitlines(keepends=True)]
     assert len(lines) == spelling.rows
@@ -116,14 +114,6 @@ def test_two_workers_store_and_answer_the_same(name, answers, tmp_path, monkeypa
     assert answers(spelling, "--workers", "2") == alone
     assert len(list((tmp_path / "rows" / many.RECORDS).glob("*.lines"))) > 1
     assert answers(spelling) == alone
-
-
-@each_spelling
-def test_the_folder_of_another_computation_is_refused(name, answers, command) -> None:
-    spelling = SPELLINGS[name]
-    answers(spelling)
-    words = "got the folder of another computation; allowed: a new folder"
-    assert f"{spelling.store}: {words}" in command.refused(*spelling.other, spelling.store, "rows")
 
 
 def test_a_folder_for_one_scene_with_one_load_case_is_refused(command, tmp_path) -> None:

@@ -257,9 +257,6 @@ SILENT = {
     "signal": ("import os, signal; os.kill(os.getpid(), signal.SIGTERM)", "ended by signal 15; it printed nothing"),
     "nothing": ("print('done')", "wrote no {loads.csv}; its last line: done"),
     "nonsense": ("open(loads, 'wb').write(bytes(range(256)))", "cannot be used, file: a binary file"),
-    "negative": (ANSWER.replace("{100.0 + k}", "{-1.0}"), "newton: -1.0; allowed: a number, at least 0"),
-    "too few balls": (ANSWER.replace("range(32)", "range(31)"), "no load of ball 32 SL and 3 more"),
-    "too few flanks": (ANSWER.replace('"SL", "SR", ', ""), "no rows for SL, SR"),
     "displacement": (ANSWER.replace('["ball', '["# displacement: 1 2 x"] + ["ball'), "1 2 x; allowed: six numbers"),
     "late": ("print('at work', flush=True); time.sleep(60)", "time limit of 0.5 s; its last line: at work"),
 }

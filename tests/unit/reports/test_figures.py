@@ -95,9 +95,6 @@ class TestInAPage:
         assert used <= ids
 
 
-SVG = "{http://www.w3.org/2000/svg}"
-
-
 def test_arrows_point_where_loads_push() -> None:
     scene = catalogue.scene("lin-case1")
     heads = []
