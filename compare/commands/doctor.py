@@ -63,21 +63,6 @@ class MachineCheck:
         return f"{self.state:8}  " + "; ".join(filter(None, (f"{self.name}: {self.found}", self.cost, self.advice)))
 
 
-def check_machine(store: Path) -> CommandOutput:
-    """Check the computer and return the results; exit code 1 if something is missing that is not optional.
-
-    ``store``: folder of stored runs of the 3D reference.
-    """
-    checks = [*_check_python(), *_check_packages(), *_check_graphics(), *_check_programs()]
-    checks += [*_check_folders(store), *_check_memory(), *_check_shipped_runs()]
-    lacking = [check for check in checks if check.state == "missing"]
-    rows = [asdict(check) for check in checks]
-    data = {"rollbench": __version__, "complete": not lacking, "checks": rows, "licences": LICENCES}
-    end = f"{len(lacking)} missing" if lacking else "nothing is missing"
-    parts = [f"rollbench {__version__}", *(check.line() for check in checks), end, LICENCES]
-    return CommandOutput(data, parts, 1 if lacking else 0)
-
-
 def _result_of_check(
     name: str, found: str, fault: str, effect: str, advice: str, state_if_faulty: State = "missing"
 ) -> MachineCheck:
@@ -247,7 +232,14 @@ def doctor(*, store: Path = Path("rollbench-reference"), as_json: Json = False) 
     store
         Folder of stored runs of the 3D reference.
     """
-    return print_command_output(check_machine(store), as_json)
+    checks = [*_check_python(), *_check_packages(), *_check_graphics(), *_check_programs()]
+    checks += [*_check_folders(store), *_check_memory(), *_check_shipped_runs()]
+    lacking = [check for check in checks if check.state == "missing"]
+    rows = [asdict(check) for check in checks]
+    data = {"rollbench": __version__, "complete": not lacking, "checks": rows, "licences": LICENCES}
+    end = f"{len(lacking)} missing" if lacking else "nothing is missing"
+    parts = [f"rollbench {__version__}", *(check.line() for check in checks), end, LICENCES]
+    return print_command_output(CommandOutput(data, parts, 1 if lacking else 0), as_json)
 
 
 @app.command

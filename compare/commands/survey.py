@@ -68,6 +68,10 @@ def survey(
     store
         Folder in which each solved screw is stored, and from which an interrupted run of the same model resumes.
     """
+    from rollbench.compare.files import check_writable, write_csv, write_figure, written_together
+    from rollbench.compare.models.programs import model_title
+    from rollbench.compare.studies.survey_models import compare_models_on_random_screws
+
     command = model_or_program_name(program)
     models = list(dict.fromkeys([*(model or ()), *filter(None, [command])]))
     if screw is not None:
@@ -77,22 +81,6 @@ def survey(
         return print_command_output(write_drawn_screw(screw, out), as_json)
     if not models:
         raise ArgumentError("model", "nothing", "a model, or `model_command`", "state the model to be judged")
-    return print_command_output(judge_models_on_screws(models, count, max_error, out, workers, store), as_json)
-
-
-def judge_models_on_screws(
-    models: Sequence[str], count: int, max_error: float, out: Path, workers: int | None, store: Path | None
-) -> CommandOutput:
-    """Judge models on the first ``count`` random screws, write table and figure, and return statistics of the errors.
-
-    ``max_error``: limit of the error in per cent. ``out``: folder of the written files. ``workers``: number of screws
-    solved in parallel; ``store``: folder of stored screws. The exit code is 1 if a model fails on a screw. Raises
-    InputError in the cases in which `compare_models_on_random_screws` raises it.
-    """
-    from rollbench.compare.files import check_writable, write_csv, write_figure, written_together
-    from rollbench.compare.models.programs import model_title
-    from rollbench.compare.studies.survey_models import compare_models_on_random_screws
-
     stem = re.sub(r"[^\w.]+", "-", f"survey-{'-'.join(map(model_title, models))}")
     table, drawing = out / f"{stem}.csv", out / f"{stem}.svg"
     for path in (table, drawing):
@@ -104,7 +92,8 @@ def judge_models_on_screws(
         if (figure := found.figure()) is not None:
             drawn = write_figure(drawing, figure)
     parts = [*_survey_terminal_parts(found), f"wrote {table} (every screw) and {drawn}"]
-    return CommandOutput(found.to_dict(), parts, 1 if any(found.without_answer.values()) else 0)
+    answer = CommandOutput(found.to_dict(), parts, 1 if any(found.without_answer.values()) else 0)
+    return print_command_output(answer, as_json)
 
 
 def _survey_terminal_parts(found: Survey) -> Iterator[Any]:
@@ -176,16 +165,6 @@ def write_drawn_screw(number: int, out: Path) -> CommandOutput:
     command = f"rollbench check {shlex.quote(str(text))} --reference {shlex.quote(str(loads))} --model MODEL"
     line = f"wrote {text} and {loads}; judge a model on them by: {command}"
     return CommandOutput({"files": [str(text), str(loads)]}, [line])
-
-
-def solve_extreme_scenes() -> CommandOutput:
-    """Solve extreme scenes by rollbench's solvers and Lin's Newton method; exit code 1 if a solver of rollbench fails."""
-    from rollbench.compare.studies.extremes import solve_all_hard_scenes, unexpected_outcomes
-
-    rows = solve_all_hard_scenes(lambda done, total, case: show_progress_message(f"[{done}/{total}] {case}"))
-    bad = unexpected_outcomes(rows)
-    data = {"failures": len(bad), "rows": [asdict(r) for r in rows]}
-    return CommandOutput(data, _stability_tables(rows, bad), 1 if bad else 0)
 
 
 def _stability_tables(rows: Sequence[FormulationOutcome], failures: Sequence[FormulationOutcome]) -> Iterator[Any]:
@@ -281,4 +260,10 @@ def stability(
         return print_command_output(found, as_json)
     given, advice = {"kind": kind, "out": out, "workers": workers, "keep": keep}, "add --survey COUNT, the number of screws"
     refuse_given_arguments(given, "only with `survey`", advice)
-    return print_command_output(solve_extreme_scenes(), as_json)
+    from rollbench.compare.studies.extremes import solve_all_hard_scenes, unexpected_outcomes
+
+    rows = solve_all_hard_scenes(lambda done, total, case: show_progress_message(f"[{done}/{total}] {case}"))
+    bad = unexpected_outcomes(rows)
+    data = {"failures": len(bad), "rows": [asdict(r) for r in rows]}
+    answer = CommandOutput(data, _stability_tables(rows, bad), 1 if bad else 0)
+    return print_command_output(answer, as_json)

@@ -245,6 +245,11 @@ def palmgren_load_torque(parts: Scene, thrust: float) -> PalmgrenLoadTorque:
     return load_dependent_torque(abs(thrust), 0.0, 2.0 * track.pitch_radius, rated)
 
 
+def _if_finite(values: Array | None) -> Array | None:
+    """Return an array of a solution; None without equilibrium, which leaves nan, or if there is no such array."""
+    return None if values is None or not np.isfinite(values).all() else values
+
+
 @result_record(eq=False, repr=False, kw_only=True)
 class Balls:
     """Positions of n balls, and the loads, angles and pressures of their contacts, as arrays with a row for each ball.
@@ -375,14 +380,14 @@ class SetResult(Balls):
     def force(self) -> Array | None:
         """Resultant force of the balls or rollers on the shaft, (3,) [N]."""
         if self.on_shaft is not None:
-            return self.on_shaft.force if np.isfinite(self.on_shaft.force).all() else None
+            return _if_finite(self.on_shaft.force)
         return None if self.balls is None or self.balls.equilibrium is None else self.balls.equilibrium.contact_force
 
     @property
     def moment(self) -> Array | None:
         """Moment of the balls or rollers on the shaft, about the shaft's axis at `position`, (3,) [N m]."""
         if self.on_shaft is not None:
-            return self.on_shaft.moment if np.isfinite(self.on_shaft.moment).all() else None
+            return _if_finite(self.on_shaft.moment)
         if self.balls is None or self.balls.equilibrium is None:
             return None
         whole = self.balls.equilibrium
@@ -394,14 +399,12 @@ class SetResult(Balls):
 
         None for the only nut or bearing of a scene, see `Result.stiffness`.
         """
-        known = self.on_shaft is not None and np.isfinite(self.on_shaft.stiffness).all()
-        return self.on_shaft.stiffness if known and self.on_shaft is not None else None
+        return None if self.on_shaft is None else _if_finite(self.on_shaft.stiffness)
 
     @property
     def roller_loads(self) -> Array | None:
         """Loads of the rollers, (count,) [N]; None for balls."""
-        loads = None if self.on_shaft is None else self.on_shaft.roller_load
-        return None if loads is None or not np.isfinite(loads).all() else loads
+        return None if self.on_shaft is None else _if_finite(self.on_shaft.roller_load)
 
     @property
     def life_loads(self) -> Array | None:
