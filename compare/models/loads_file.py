@@ -344,7 +344,7 @@ def read_loads(path: Path, scene: Scene, row_filter: Only = EVERY) -> ContactLoa
             value = f"a second row of ball {ball + 1} {SIDES[side]}"
             raise InputError(str(path), f"line {number}", value, "one row for each contact", "delete one of the rows")
         for name, of in values.items():
-            of[ball, side] = cells.non_negative_value(name)
+            of[ball, side] = cells.value(name)
     if row_filter and not cases:
         which = " and ".join(row_filter)
         value = " of ".join(f"{name} {words[0]}" for name, words in reversed([*row_filter.items()]))
@@ -423,7 +423,7 @@ class _ContactLoadRow:
 
         ``layout``: positions of the balls of the scene.
         """
-        azimuth, z = self.ball_coordinate("azimuth"), self.ball_coordinate("z")
+        azimuth, z = self.value("azimuth"), self.value("z")
         turn = np.angle(np.exp(1j * (layout.azimuth - azimuth)))
         away = np.hypot(scene.track.pitch_radius * turn, layout.z - z)
         ball = int(away.argmin())
@@ -435,32 +435,23 @@ class _ContactLoadRow:
             raise self.cell_error("azimuth, z", place, allowed, advice)
         return ball
 
-    def ball_coordinate(self, name: str) -> float:
-        """Return the azimuth [rad] or the axial position [m] of the row's ball; ``name``: "azimuth" or "z"."""
-        value, factor, text = self._number_factor_and_text(name)
-        if not np.isfinite(value):
-            advice = number_advice(text, "write a number, or delete the column")
-            raise self.cell_error(self._cells[name][0], text, "a number", advice)
-        return value * factor
-
-    def non_negative_value(self, name: str) -> float:
+    def value(self, name: str) -> float:
         """Return this row's value of the quantity ``name`` in SI units; nan for an empty cell.
 
-        InputError if the text of the cell is not a number of at least 0, or if the contact load is missing.
+        InputError if the text of the cell is not a number, if a number other than a position (`PLACE`) is below 0, or if
+        the contact load or a position is missing.
         """
-        value, factor, text = self._number_factor_and_text(name)
-        if not text and name != "load":
+        head, factor, text = self._cells.get(name, ("", 1.0, ""))
+        if not text and name not in ("load", *PLACE):
             return float("nan")
-        if not 0.0 <= value < float("inf"):
-            advice = "write a number without unit (the heading states the unit), and 0 for a contact without load"
-            advice = number_advice(text, advice)
-            raise self.cell_error(self._cells[name][0], text, "a number, at least 0", advice)
+        value = number_of_text(text.replace(",", ".") if self._comma else text)
+        if not np.isfinite(value) or (value < 0.0 and name not in PLACE):
+            allowed, advice = "a number", "write a number, or delete the column"
+            if name not in PLACE:
+                allowed = "a number, at least 0"
+                advice = "write a number without unit (the heading states the unit), and 0 for a contact without load"
+            raise self.cell_error(head, text, allowed, number_advice(text, advice))
         return value * factor
-
-    def _number_factor_and_text(self, name: str) -> tuple[float, float, str]:
-        """Return the number in this row's cell of column ``name`` (nan: no number), factor to SI, and text of the cell."""
-        _, factor, text = self._cells.get(name, ("", 1.0, ""))
-        return number_of_text(text.replace(",", ".") if self._comma else text), factor, text
 
 
 def _complete_loads(path: Path, load: Array) -> tuple[Array, tuple[str, ...]]:
