@@ -1,4 +1,4 @@
-"""Hints on the command line: commands that a shell takes as printed, names like a misspelt one, a limit that is a share."""
+"""Names of files and scenes like a misspelt one."""
 
 import pytest
 
@@ -23,14 +23,3 @@ def test_a_misspelt_file_has_a_suggestion(tmp_path, monkeypatch, meant: str) -> 
         with pytest.raises(InputError, match=f"did you mean {meant}" if meant else "rollbench list"):
             catalogue.scene_of_any_kind(typed)
     assert similar_paths(tmp_path / "laods.csv") == f"did you mean {tmp_path / 'loads.csv'}?"
-
-
-@pytest.mark.parametrize(("given", "meant"), [("0.07", "7 %"), ("0.05", "5 %")])
-def test_a_limit_that_looks_like_a_share_is_asked_about(command, given: str, meant: str) -> None:
-    words, asked = ("check", "two-balls", "--no-compute"), f"do you mean {meant}?"
-    found = command(*words, "--max-error", given)
-    assert asked in found.out
-    assert found.code in (1, 3), "it is judged all the same"
-    assert asked in command(*words, "--limit", f"rigidity={given}").out
-    for usual in (("--max-error", "0.4"), ("--limit", "angle=0.1")):
-        assert "do you mean" not in command(*words, *usual).out
