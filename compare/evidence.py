@@ -438,16 +438,6 @@ def publication_titles() -> list[str]:
     return [case.title for case in all_cases() if case.title]
 
 
-def evidence_of_all_tables(cache: SceneResultCache, *names: str) -> list[PrintedEntryComparison]:
-    """Return the numbers and claims of printed tables with their computed values and verdicts.
-
-    ``cache``: cache of computed values. ``names``: names of the tables.
-
-    Without names, all tables are returned, including those for which nothing is computed. InputError for an unknown table.
-    """
-    return evidence(cache, *(names or sorted(all_computations())))
-
-
 def publication_title_of(entry: PrintedEntry) -> str:
     """Return the title of the publication that prints a number or claim."""
     return all_computations()[entry.table].case.title

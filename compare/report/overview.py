@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rollbench.compare.case import all_cases
-from rollbench.compare.evidence import all_computations, evidence_of_all_tables
+from rollbench.compare.evidence import all_computations, evidence
 from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.measure import SMALL, load_scale_of_check_errors
 from rollbench.compare.models.comparison import REFERENCED, RULE
@@ -371,7 +371,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     step("every model on every quantity")
     step("printed values by table and section")
     folders = {name: one.case.folder for name, one in all_computations().items()}
-    laid = [f for f in evidence_of_all_tables(cache) if (folders[f.printed.table] / "layout.toml").is_file()]
+    laid = [f for f in evidence(cache, *sorted(all_computations())) if (folders[f.printed.table] / "layout.toml").is_file()]
     items = (
         *error_tables_of_all_quantities(cache),
         computed_over_reference_load_figure(cache, found),

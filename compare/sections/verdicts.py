@@ -169,7 +169,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     ``step`` is called with each line of progress.
     """
     step("every printed number and claim")
-    audited = compare_evidence.evidence_of_all_tables(cache)
+    audited = compare_evidence.evidence(cache, *sorted(compare_evidence.all_computations()))
     tally = Counter((r.printed.entry_class, r.verdict) for r in audited)
     rows: list[Row] = [{"class": c, "verdict": VERDICT_NAMES[v], "entries": n} for (c, v), n in sorted(tally.items())]
     text = (
@@ -230,7 +230,7 @@ def misprints_section(cache: SceneResultCache, step: Callable[[str], None]) -> S
     ``step`` is called with each line of progress.
     """
     step("every printed number and claim, by publication")
-    rows = compare_evidence.evidence_of_all_tables(cache)
+    rows = compare_evidence.evidence(cache, *sorted(compare_evidence.all_computations()))
     words = [compare_evidence.reproduction_sentence(row) for row in compare_evidence.count_entries_by_verdict(rows)]
     meanings = [f"{VERDICT_NAMES[verdict]}: {text}." for verdict, text in VERDICTS.items()]
     missing = [
