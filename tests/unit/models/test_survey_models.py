@@ -53,7 +53,7 @@ def test_a_program_is_judged_beside_ours(command, tmp_path, monkeypatch):
         errors[row["model"]].append(float(row["largest_percent"]))
     count, mine = sum(number < 12 for number in survey_models.stored_loads()), np.median(errors[name])
     assert [len(each) for each in errors.values()] == 3 * [count]
-    assert re.search(rf"{name} worst load +{count} +{mine:.2f}", out)
+    assert re.search(rf"{name} +worst load +{count} +{mine:.2f}", out)
     assert mine > 10.0 * np.median(errors["refined"])
     found = rollbench.survey(SHARE, count=12)
     assert found.median[SHARE] == pytest.approx(mine)
