@@ -67,7 +67,8 @@ def approaches_with_fixed_bodies(setup: CondensedGeometry, side: int, loads: Arr
         Approach under each force [m].
     """
     pair = setup.patches_by_flank[side]
-    return grid_wave.mean_approaches_over_grid_cell(setup.groove_map, side, pair.groove_patch, pair.local_compliance, loads)
+    given = setup.groove_map, side, pair.groove_patch, pair.local_compliance, loads
+    return np.asarray(grid_wave.approaches_over_grid_cell(*given, grid_wave.MEAN)[0].mean(axis=(0, 1)))
 
 
 def hertz_shares_of_nodes(setup: CondensedGeometry, side: int, load: float) -> Array:

@@ -162,14 +162,6 @@ def _outcome_with_elastic_bodies(hard_scene: HardScene, formulation: str) -> For
     return _outcome_from_result(hard_scene, formulation, result, begin)
 
 
-def _loads_of_all_contacts(result: StaticResult | AxisResult) -> Array:
-    """Return the loads of all ball contacts and rollers of a result as one array [N].
-
-    Its shape is (N, 4) for a scene of N balls, and (n,) for a shaft with n contacts and rollers in all.
-    """
-    return np.concatenate([s.loads.ravel() for s in result.sets]) if isinstance(result, AxisResult) else result.load
-
-
 def _outcome_from_result(
     hard_scene: HardScene, formulation: str, result: StaticResult | AxisResult, start_time: float
 ) -> FormulationOutcome:
@@ -209,7 +201,8 @@ def _why_not_in_equilibrium(result: StaticResult | AxisResult) -> str:
     if not result.converged:
         return ""
     s, balance = result.solver, result.equilibrium
-    if not (np.all(np.isfinite(_loads_of_all_contacts(result))) and np.all(np.isfinite(result.centreline))):
+    loads = [s.loads for s in result.sets] if isinstance(result, AxisResult) else [result.load]
+    if not all(np.isfinite(x).all() for x in (*loads, result.centreline)):
         return "claims convergence, but loads or displacements are not finite"
     if not s.residual <= max(ACCEPTED, s.round_off_bound):
         return f"claims convergence, but the residual is {s.residual:.1e}"

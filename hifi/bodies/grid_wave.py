@@ -319,32 +319,6 @@ def approaches_over_grid_cell(
     return np.asarray(np.fft.ifftshift(table, axes=(0, 1))), trend
 
 
-def mean_approaches_over_grid_cell(
-    m: GrooveMap, side: int, patch: CondensedPatch, compliance: Array, loads: Array
-) -> Array:
-    """Compute the approach of ball and groove under several forces, as the mean over contact positions in one grid cell.
-
-    Parameters
-    ----------
-    m : GrooveMap
-        Geometry of the track.
-    side : int
-        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
-    patch : CondensedPatch
-        Condensed fine mesh (patch) of the groove at the contact.
-    compliance : (c, c) Array
-        Compliance between the c contact nodes [m/N].
-    loads : (f,) Array
-        Forces [N].
-
-    Returns
-    -------
-    (f,) Array
-        Approaches [m].
-    """
-    return np.asarray(approaches_over_grid_cell(m, side, patch, compliance, loads, MEAN)[0].mean(axis=(0, 1)))
-
-
 @dataclass(frozen=True)
 class GapCorrectionTable:
     """Table of gap corrections that cancel the dependence of a contact's approach on its position on the mesh grid."""

@@ -20,8 +20,6 @@ MOST = 4
 class RollingCase:
     """Friction scene as input of the 3D model of rolling, once with balls far apart and once with touching balls."""
 
-    #: Name of the scene.
-    name: str
     #: Kind of the friction scene, such as "linear pair".
     kind: str
     #: Balls and grooves with the balls far apart.

@@ -70,7 +70,7 @@ def _linear_bearing_as_rolling_case(scene: LinearBearingScene, _: RollingSetting
         loads = np.array([_loads_at_given_angles(scene, *of_ball) for of_ball in each])
     whole = rolling_scenes.create_rolling_balls(layout, material, normals, loads)
     apart = replace(whole, ball_to_ball_contacts=())
-    return RollingCase(scene.name, scene.kind, apart, whole, b.speed, ("BL", "BR", "TR", "TL"))
+    return RollingCase(scene.kind, apart, whole, b.speed, ("BL", "BR", "TR", "TL"))
 
 
 def _loads_at_given_angles(scene: LinearBearingScene, normals: Array, rho: float) -> Array:
@@ -162,7 +162,7 @@ def _screw_balls_as_rolling_case(scene: ScrewPairScene, choices: RollingSettings
             _refuse_scene(scene, "load", "the contact loads find no equilibrium with friction", 'take coupling = "none"')
         scenes.append(rolling_scenes.create_rolling_balls(layout, material, loads.normal, loads.force))
     apart = replace(scenes[0], ball_to_ball_contacts=())
-    return RollingCase(scene.name, scene.kind, apart, scenes[1], g.speed, SIDES)
+    return RollingCase(scene.kind, apart, scenes[1], g.speed, SIDES)
 
 
 def _bearing_ball_as_rolling_case(scene: BearingBallScene, _: RollingSettings) -> RollingCase:
@@ -199,7 +199,7 @@ def _bearing_ball_as_rolling_case(scene: BearingBallScene, _: RollingSettings) -
             scene, "load", "the contact loads find no equilibrium with the load", "take a load that presses the ball"
         )
     whole = rolling_scenes.create_rolling_balls(layout, material, loads.normal, loads.force)
-    return RollingCase(scene.name, scene.kind, whole, whole, b.screw_speed, ("IL", "IR", "OR", "OL"))
+    return RollingCase(scene.kind, whole, whole, b.screw_speed, ("IL", "IR", "OR", "OL"))
 
 
 def _linear_bearing_values(scene: LinearBearingScene) -> tuple[dict[str, float], str]:
