@@ -191,7 +191,7 @@ class ComputedEntryValues:
             raise KeyError(f"table {self.table} of a publication: no printed number or claim has the key {key!r}")
         return self.values.setdefault(key, {})
 
-    def numbers(self, values: Mapping[str, float]) -> None:
+    def numbers(self, values: Mapping[str, Any]) -> None:
         """Add the correct values computed for several printed numbers, by key; KeyError for an unknown key."""
         for key, value in values.items():
             self.add_number(key, float(value))

@@ -49,7 +49,7 @@ class TableColumn:
 #: texts that stand there; or a column that is not in this file.
 ColumnKey = str | tuple[str, ...] | TableColumn
 #: Row of a table: the value of each column.
-Row = dict[ColumnKey, Cell]
+Row = dict[ColumnKey, Any]
 
 
 @cache

@@ -5,7 +5,7 @@ It also makes table and figure of the range of compared scenes: their sizes, con
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import product
 
 import numpy as np
@@ -62,33 +62,29 @@ NOT_FIT = (
 )
 
 
-def accuracy_rows(points: Sequence[MeasuredModelErrors]) -> list[Row]:
-    """Return table rows on the absolute errors of every model in every compared quantity, over all scenes.
+def accuracy_rows(points: Sequence[MeasuredModelErrors]) -> Iterator[Row]:
+    """Yield table rows on the absolute errors of every model in every compared quantity, over all scenes.
 
     Each row has the median, 95th percentile and largest error, the limit of ``rollbench check``, and the share of scenes
     within it. A model is accurate enough if at least 95 % of the scenes are. ``points``: errors against the 3D reference,
     one record for each model and scene, with the errors in all quantities.
     """
-    rows: list[Row] = []
     for model, key in product(dict.fromkeys(p.model for p in points), NAMES):
         errors = np.array([abs(v) for p in points if p.model == model and (v := getattr(p, key)) is not None])
         if errors.size:
             limit = LIMITS.get(key)
             share = None if limit is None else float(np.mean(errors <= limit))
-            rows.append(
-                {
-                    "quantity": WORDS[key],
-                    "model": model,
-                    "scenes": int(errors.size),
-                    "median_error": float(np.median(errors)),
-                    "error_p95": float(np.percentile(errors, 95)),
-                    "largest_error": float(errors.max()),
-                    "check_limit": limit,
-                    "share_within_limit": None if share is None else 100.0 * share,
-                    "accurate_enough": None if share is None else "yes" if share >= 0.95 else "no",
-                }
-            )
-    return rows
+            yield {
+                "quantity": WORDS[key],
+                "model": model,
+                "scenes": int(errors.size),
+                "median_error": float(np.median(errors)),
+                "error_p95": float(np.percentile(errors, 95)),
+                "largest_error": float(errors.max()),
+                "check_limit": limit,
+                "share_within_limit": None if share is None else 100.0 * share,
+                "accurate_enough": None if share is None else "yes" if share >= 0.95 else "no",
+            }
 
 
 def sentences_on_accurate_quantities(rows: Sequence[Row]) -> str:
@@ -119,7 +115,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     ``cache`` is not used. ``step`` is called with each line of progress.
     """
     step("all compared scenes")
-    rows = accuracy_rows(model_errors_on_compared_scenes())
+    rows = list(accuracy_rows(model_errors_on_compared_scenes()))
     note = (
         "Errors against the 3D reference on all example and all randomly drawn screws and bearings. Accurate enough: at "
         f"least 95 % of them are within the error limit of rollbench check. This is {LIMIT:g} % for contact loads {RULE}; "

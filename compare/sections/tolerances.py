@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -44,8 +44,8 @@ def tolerance_description(tolerance: VariedKey) -> str:
     return next((text for start, text in WORDS.items() if tolerance.key.startswith(start)), tolerance.short_name)
 
 
-def tolerance_effect_rows(tolerances: Sequence[VariedKey], sweep_summary: Mapping[str, Any]) -> list[Row]:
-    """Return table rows on the effect of each tolerance on the largest contact load, the most influential tolerance first.
+def tolerance_effect_rows(tolerances: Sequence[VariedKey], sweep_summary: Mapping[str, Any]) -> Iterator[Row]:
+    """Yield table rows on the effect of each tolerance on the largest contact load, the most influential tolerance first.
 
     ``tolerances``: varied tolerances with their ranges. ``sweep_summary``: summary of the sweep. Each row has the range
     of the tolerance, and the first-order and total Sobol index with confidence intervals. The range is divided into parts,
@@ -53,23 +53,19 @@ def tolerance_effect_rows(tolerances: Sequence[VariedKey], sweep_summary: Mappin
     are also in the row.
     """
     indices, confidence = sweep_summary["indices"].outputs[MAIN], f"{100 * sweep_summary['indices'].confidence:g}"
-    rows: list[Row] = []
     for vary in sorted(tolerances, key=lambda v: -indices[v.key].total):
         means = [g.mean for g in sweep_summary["main_effects"][vary.key]]
         index = indices[vary.key]
-        rows.append(
-            {
-                "tolerance": tolerance_description(vary),
-                "tolerance_range": "any" if vary.key == "errors.seed" else f"{vary.low:g} to {vary.high:g} {vary.unit}",
-                "lowest_mean": min(means),
-                "highest_mean": max(means),
-                "sobol_first": index.first,
-                ("sobol_first_band", confidence): f"{index.first_low:.2f} to {index.first_high:.2f}",
-                "sobol_total": index.total,
-                ("sobol_total_band", confidence): f"{index.total_low:.2f} to {index.total_high:.2f}",
-            }
-        )
-    return rows
+        yield {
+            "tolerance": tolerance_description(vary),
+            "tolerance_range": "any" if vary.key == "errors.seed" else f"{vary.low:g} to {vary.high:g} {vary.unit}",
+            "lowest_mean": min(means),
+            "highest_mean": max(means),
+            "sobol_first": index.first,
+            ("sobol_first_band", confidence): f"{index.first_low:.2f} to {index.first_high:.2f}",
+            "sobol_total": index.total,
+            ("sobol_total_band", confidence): f"{index.total_low:.2f} to {index.total_high:.2f}",
+        }
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
@@ -81,7 +77,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     found = stored_tolerance_sweep()
     cache.record_used_scenes((found["scene"].removesuffix(".toml"),))
     keys = read_varied_keys(found["vary"])
-    rows = tolerance_effect_rows(keys, found)
+    rows = list(tolerance_effect_rows(keys, found))
     load = found["outputs"][MAIN]
     luck = next(row for row in rows if row["tolerance_range"] == "any")
     first, second = [row for row in rows if row is not luck][:2]

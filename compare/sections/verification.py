@@ -6,7 +6,7 @@ CalculiX: contact loads of two small scenes, whose bodies CalculiX meshes whole,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from rollbench.compare.measure import error_percent, load_error, mean_load
@@ -149,12 +149,11 @@ def hertz_error_row(computation: HertzComputation) -> Row:
     }
 
 
-def rows_of_computed_and_hertz_values(computations: Sequence[HertzComputation]) -> list[Row]:
-    """Return table rows that compare the mesh `PRODUCTION` with Hertz: approach, semi-axes, peak pressure of each contact.
+def rows_of_computed_and_hertz_values(computations: Sequence[HertzComputation]) -> Iterator[Row]:
+    """Yield table rows that compare the mesh `PRODUCTION` with Hertz: approach, semi-axes, peak pressure of each contact.
 
     ``computations``: computations on all meshes.
     """
-    rows: list[Row] = []
     quantities = (
         ("approach", "µm", 1e6, "approach"),
         ("semi-axis a", "mm", 1e3, "semi_x"),
@@ -165,19 +164,16 @@ def rows_of_computed_and_hertz_values(computations: Sequence[HertzComputation]) 
         run = one.computed
         for name, unit, scale, key in quantities:
             most, error = TARGETS.get(name, TARGETS["semi-axes"]), one.error_percents[name]
-            rows.append(
-                {
-                    "contact_problem": f"{run.contact_name}, {WHAT[run.contact_name]}",
-                    "quantity": name,
-                    "unit": unit,
-                    "value_by_elements": scale * getattr(run, key),
-                    "value_by_hertz": scale * getattr(run.hertz_solution, key),
-                    "error_against_hertz": error,
-                    "error_target": most,
-                    "error_within_target": "yes" if abs(error) <= most else "NO",
-                }
-            )
-    return rows
+            yield {
+                "contact_problem": f"{run.contact_name}, {WHAT[run.contact_name]}",
+                "quantity": name,
+                "unit": unit,
+                "value_by_elements": scale * getattr(run, key),
+                "value_by_hertz": scale * getattr(run.hertz_solution, key),
+                "error_against_hertz": error,
+                "error_target": most,
+                "error_within_target": "yes" if abs(error) <= most else "NO",
+            }
 
 
 def hertz_error_figure(computations: Sequence[HertzComputation], job: str) -> Figure:

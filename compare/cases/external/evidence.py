@@ -8,7 +8,7 @@ no scene describes are in ``cases.toml``, with the assumptions made.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, lru_cache
 from math import pi
 from typing import Any
@@ -75,8 +75,7 @@ def shipped_shaft_scene(name: str) -> Assembly:
     ``name``: NAME, such as "masta-radial". Raises AssertionError for a scene without such a shaft.
     """
     found = catalogue.shipped_scene(PREFIX + name)
-    if not isinstance(found, Assembly):
-        raise AssertionError(f"scene {PREFIX}{name}: expected a shaft with bearings or nuts, got {type(found).__name__}")
+    assert isinstance(found, Assembly), f"{PREFIX}{name}: {type(found).__name__}"
     return found
 
 
@@ -96,8 +95,7 @@ def _solve_shaft_scene(cache: SceneResultCache, name: str) -> AxisResult:  # noq
     ``cache``: not used; ``name``: NAME, such as "masta-radial".
     """
     result = run_model(shipped_shaft_scene(name), "lin")
-    if not result.converged:
-        raise AssertionError(f"scene {PREFIX}{name}: expected a converged solution, got status {result.status!r}")
+    assert result.converged, f"{PREFIX}{name}: {result.status}"
     return result
 
 
@@ -149,10 +147,8 @@ def bearing_218(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     assert ring.balls is not None
     angle = float(np.degrees(ring.balls.contact_angle[0, 0]))
     moved = 1e6 * _shaft_displacement_at(result, ring.of.position, "uz")
-    findings.add_number("angle", angle)
-    findings.add_number("angle_quoted", angle)
-    findings.add_number("displacement", moved)
-    findings.add_number("displacement_quoted", moved)
+    findings.numbers(dict.fromkeys(("angle", "angle_quoted"), angle))
+    findings.numbers(dict.fromkeys(("displacement", "displacement_quoted"), moved))
     findings.add_number("ball_load", float(ring.balls.load[:, 0].mean()))
 
 
@@ -268,7 +264,7 @@ def snfa_rigidities(findings: ComputedEntryValues, cache: SceneResultCache) -> N
     findings.add_number("growth", growth, words, as_printed=still[-1] / still[0])
     off = axis.lift_off_force(_preloaded_bearing_pair(bearing, loads[-1])) / loads[-1]
     words = f"at {loads[-1]:g} N; the angle turns, and the pair holds together longer"
-    findings.add_number("lift_off", off, words, as_printed=lift_off_over_preload_at_constant_angle())
+    findings.add_number("lift_off", off, words, as_printed=2.0**1.5)  # for constant contact angles
 
 
 def pair_rigidity_at_constant_angle(bearing: angular_contact.BallBearing, preload: float) -> float:
@@ -386,10 +382,8 @@ def ball_of_bearing(findings: ComputedEntryValues, cache: SceneResultCache) -> N
     curvatures = angular_contact.relative_curvatures(bearing, np.array(angle))
     inner, outer = (hertz_constants(*pair, modulus) for pair in curvatures)
     cube = float(np.cbrt(external_input("nsk", "normal_load", "force")))
-    findings.add_number("approach_outer", 1e6 * float(outer.C) * cube**2)
-    findings.add_number("approach_inner", 1e6 * float(inner.C) * cube**2)
-    findings.add_number("a_outer", 1e3 * float(outer.C_a) * cube)
-    findings.add_number("b_outer", 1e3 * float(outer.C_b) * cube)
+    findings.numbers({"approach_outer": 1e6 * outer.C * cube**2, "approach_inner": 1e6 * inner.C * cube**2})
+    findings.numbers({"a_outer": 1e3 * outer.C_a * cube, "b_outer": 1e3 * outer.C_b * cube})
 
 
 def sphere_on_plane(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
@@ -398,9 +392,8 @@ def sphere_on_plane(findings: ComputedEntryValues, cache: SceneResultCache) -> N
     ``findings``: receives the contact radius [mm], to compare with the published one. ``cache``: not used here.
     """
     radius = external_input("vm63", "radius", "length")
-    modulus = external_input("vm63", "youngs_modulus", "pressure") / (
-        1.0 - external_inputs()["vm63"]["poissons_ratio"] ** 2
-    )
+    poisson, young = external_inputs()["vm63"]["poissons_ratio"], external_input("vm63", "youngs_modulus", "pressure")
+    modulus = young / (1.0 - poisson**2)
     found = hertz_constants(np.array(1.0 / radius), np.array(1.0 / radius), modulus)
     findings.add_number("radius", 1e3 * float(found.C_a) * float(np.cbrt(external_input("vm63", "force", "force"))))
 
@@ -423,27 +416,8 @@ def _load_and_hertz_constants(case: str) -> tuple[float, HertzConstants]:
     return load, hertz_constants(np.array(1.0 / radii[0]), np.array(1.0 / radii[1]), modulus)
 
 
-@dataclass(frozen=True)
-class RollingExampleResult:
-    """Results for the steady-rolling example of the program CONTACT: friction, numbers of cells in contact and sticking.
-
-    The example has lateral creepage and spin.
-    """
-
-    #: Lateral friction force divided by mu P (mu: coefficient of friction, P: contact load).
-    lateral: float
-    #: Moment of the friction about the contact normal [N mm].
-    moment: float
-    #: Number of grid cells in the contact area.
-    cells_in_contact: int
-    #: Number of grid cells in which the surfaces stick.
-    sticking_cells: int
-    #: Friction power at a rolling speed of 1 m/s [W].
-    friction_power: float
-
-
 @lru_cache(maxsize=8)
-def solve_rolling_example(cells: int, *, by_contact_scheme: bool = False) -> RollingExampleResult:
+def solve_rolling_example(cells: int, *, by_contact_scheme: bool = False) -> verification.RolledContact:
     """Solve the steady-rolling example of the program CONTACT, which has lateral creepage and spin.
 
     ``cells``: number of cells of the grid along each axis; ``by_contact_scheme``: whether to use CONTACT's grid and its
@@ -452,21 +426,16 @@ def solve_rolling_example(cells: int, *, by_contact_scheme: bool = False) -> Rol
     case, touch = external_inputs()["contact"], _load_radii_and_material("contact")
     creep, mu = verification.Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
     if by_contact_scheme:
-        found = verification.solve_steady_rolling_like_kalker(
-            solve_elastic_contact_on_grid(*touch, (cells, cells), margin=EXAMPLE_MARGIN), creep, mu
-        )
-    else:
-        found = verification.solve_steady_rolling_for_creepages(
-            solve_elastic_contact_on_grid(*touch, (cells, cells)), creep, mu
-        )
-    sticking = int(np.count_nonzero(found.friction_solution.stick[0]))
-    return RollingExampleResult(
-        float(found.friction_force[1]) / (mu * touch[0]),
-        1e3 * found.friction_moment,
-        len(found.normal_contact.cell_centres),
-        sticking,
-        found.friction_loss,
-    )
+        patch = solve_elastic_contact_on_grid(*touch, (cells, cells), margin=EXAMPLE_MARGIN)
+        return verification.solve_steady_rolling_like_kalker(patch, creep, mu)
+    return verification.solve_steady_rolling_for_creepages(solve_elastic_contact_on_grid(*touch, (cells, cells)), creep, mu)
+
+
+def lateral_force_and_moment(cells: int, *, by_contact_scheme: bool = False) -> dict[str, float]:
+    """Return lateral force over mu P, and moment [N mm], of the example of `solve_rolling_example`, by their keys."""
+    found = solve_rolling_example(cells, by_contact_scheme=by_contact_scheme)
+    bound = external_inputs()["contact"]["friction"] * external_input("contact", "force", "force")
+    return {"lateral": float(found.friction_force[1]) / bound, "moment": 1e3 * found.friction_moment}
 
 
 def rolling_examples(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
@@ -477,14 +446,12 @@ def rolling_examples(findings: ComputedEntryValues, cache: SceneResultCache) -> 
     """
     load, hertz = _load_and_hertz_constants("contact")
     cube = float(np.cbrt(load))
-    findings.add_number("a", 1e3 * float(hertz.C_a) * cube)
-    findings.add_number("b", 1e3 * float(hertz.C_b) * cube)
-    findings.add_number("approach", 1e3 * float(hertz.C) * cube**2)
-    findings.add_number("pressure", 1e-6 * float(hertz.pressure(np.array(load))))
-    theirs, ours = solve_rolling_example(EXAMPLE_CELLS, by_contact_scheme=True), solve_rolling_example(EXAMPLE_CELLS)
-    for key in ("lateral", "moment"):
-        note = f"by CONTACT's differences over one cell; by those of rolling in 3D {getattr(ours, key):.4g}"
-        findings.add_number(key, getattr(theirs, key), note)
+    findings.numbers({"a": 1e3 * hertz.C_a * cube, "b": 1e3 * hertz.C_b * cube, "approach": 1e3 * hertz.C * cube**2})
+    findings.numbers({"pressure": 1e-6 * hertz.pressure(np.array(load))})
+    ours = lateral_force_and_moment(EXAMPLE_CELLS)
+    for key, value in lateral_force_and_moment(EXAMPLE_CELLS, by_contact_scheme=True).items():
+        note = f"by CONTACT's differences over one cell; by those of rolling in 3D {ours[key]:.4g}"
+        findings.add_number(key, value, note)
     _compute_wheel_creep_curve(findings)
     _compute_examples_of_rolling_from_rest(findings)
 
@@ -496,16 +463,13 @@ def _compute_wheel_creep_curve(findings: ComputedEntryValues) -> None:
     """
     load, hertz = _load_and_hertz_constants("wheel")
     cube, mu = float(np.cbrt(load)), float(external_inputs()["wheel"]["friction"])
-    findings.add_number("wheel_a", 1e3 * float(hertz.C_b) * cube)
-    findings.add_number("wheel_b", 1e3 * float(hertz.C_a) * cube)
+    findings.numbers({"wheel_a": 1e3 * hertz.C_b * cube, "wheel_b": 1e3 * hertz.C_a * cube})
     patch = solve_elastic_contact_on_grid(*_load_radii_and_material("wheel"), WHEEL_CELLS, margin=EXAMPLE_MARGIN)
     for row in load_printed_table(findings.table):
         curve, _, creep = row.key.rpartition("_")
         if curve == "wheel_creep":
-            force = verification.solve_steady_rolling_like_kalker(
-                patch, verification.Creep(float(creep), 0.0, 0.0), mu
-            ).friction_force
-            findings.add_number(row.key, float(force[0]) / (mu * load))
+            found = verification.solve_steady_rolling_like_kalker(patch, verification.Creep(float(creep), 0.0, 0.0), mu)
+            findings.add_number(row.key, float(found.friction_force[0]) / (mu * load))
 
 
 @lru_cache(maxsize=4)
@@ -517,9 +481,7 @@ def solve_push_and_roll_example(case: str, steps: int) -> list[verification.Roll
     """
     numbers, (load, circle) = external_inputs()[case], _load_and_hertz_constants(case)
     margin = 0.5 * external_input(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
-    patch = solve_elastic_contact_on_grid(
-        *_load_radii_and_material(case), (numbers["cells"], numbers["cells"]), margin=margin
-    )
+    patch = solve_elastic_contact_on_grid(*_load_radii_and_material(case), (numbers["cells"],) * 2, margin=margin)
     return verification.simulate_rolling_onset(patch, numbers["friction"], numbers["share"], steps)
 
 
@@ -597,9 +559,8 @@ def nut_rigidities(findings: ComputedEntryValues, cache: SceneResultCache) -> No
     alone, bodies = {}, {}
     for size in (*THK, *HIWIN):
         scene = cache.built_in_scene(scene_name_of_catalogue_size(size))
-        alone[size], bodies[size] = (
-            1e-6 * x for x in nut_rigidities_without_and_with_bodies(scene, scene.loads[0].force[2])
-        )
+        rigidities = nut_rigidities_without_and_with_bodies(scene, scene.loads[0].force[2])
+        alone[size], bodies[size] = (1e-6 * x for x in rigidities)
         printed = printed_entry(findings.table, f"rigidity_{size}").value or 0.0
         share = printed / alone[size]
         words = f"catalogue {printed / bodies[size]:.3f} of it; contacts alone {alone[size]:.0f} N/um"
@@ -607,8 +568,8 @@ def nut_rigidities(findings: ComputedEntryValues, cache: SceneResultCache) -> No
         low, high = next(ends for sizes, ends in SHARES.items() if size in sizes)
         words = f"{share:.3f} of {alone[size]:.0f} N/um"
         findings.add_claim(f"share_{size}", low * (1.0 - UNPRINTED) <= share <= high * (1.0 + UNPRINTED), words)
-    for turns, size in (("5", "bnf-3205-5"), ("7p5", "bnf-3205-7p5")):
-        findings.add_number(f"turns_{turns}", alone[size] / alone["bnf-3205-2p5"], "contacts alone")
+    for turns in ("5", "7p5"):
+        findings.add_number(f"turns_{turns}", alone[f"bnf-3205-{turns}"] / alone["bnf-3205-2p5"], "contacts alone")
     words = f"contacts alone {2.0**1.5 / 3.0 ** (1.0 / 3.0):.3f}"
     findings.add_number("double", double_over_single_nut_rigidity(cache), f"with the bodies; {words}")
     _compute_double_nut_drag_torque(cache, findings)
@@ -641,11 +602,8 @@ def _compute_double_nut_drag_torque(cache: SceneResultCache, findings: ComputedE
     ``cache``: gives the scenes and caches the drag torque; ``findings``: receives the results.
     """
     case = external_inputs()["thk"]
-    preload, lead, mu = (
-        external_input("thk", "preload", "force"),
-        external_input("thk", "lead", "length"),
-        float(case["friction"]),
-    )
+    preload, lead = external_input("thk", "preload", "force"), external_input("thk", "lead", "length")
+    mu = float(case["friction"])
     formula = 0.05 * case["tangent"] ** -0.5 * preload * lead / (2.0 * pi)
     findings.follow({"drag_formula": 1e3 * formula})
     torque = cache.compute_once(double_nut_drag_torque, preload, mu)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.cases.external import evidence as external
-from rollbench.compare.cases.external.evidence import PREFIX, assumptions_by_external_case, scene_name_of_catalogue_size
+from rollbench.compare.cases.external.evidence import PREFIX, scene_name_of_catalogue_size
 from rollbench.compare.evidence import PrintedEntryComparison, computations_with_function, evidence
 from rollbench.compare.measure import error_percent, load_error, mean_load
 from rollbench.compare.models.loading import solve_with_scaled_loads
@@ -34,9 +34,8 @@ from rollbench.lowfi.rating.displacement import motion_at
 from rollbench.lowfi.rating.life import basic_rating_life
 from rollbench.lowfi.rating.rigidity import axial_force, three_axial_rigidities
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Flange, NutHeld, Scene
-from rollbench.reports.content import Cell, Figure, Panel, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
 
 #: Printed tables: name of the publisher in the figure, title of the table.
 TABLES = {
@@ -98,12 +97,11 @@ def assumptions_table(cache: SceneResultCache) -> Table:
 
     ``cache``: lists the scenes used so far; the table has a row for each assumption of these scenes.
     """
-    rows: list[Row] = []
-    for name, thing in cache.used_scenes.items():
-        if name.startswith(PREFIX) and isinstance(thing, Scene | Assembly):
-            rows += [{"example": name, "assumed_input": text} for text in thing.assumed]
-    for name, texts in assumptions_by_external_case().items():
-        rows += [{"example": PREFIX + name, "assumed_input": text} for text in texts]
+    texts = {name: scene.assumed for name, scene in cache.used_scenes.items() if name.startswith(PREFIX)}
+    texts |= {
+        PREFIX + name: tuple(case["assumed"]) for name, case in external.external_inputs().items() if "assumed" in case
+    }
+    rows = [{"example": name, "assumed_input": text} for name, several in texts.items() for text in several]
     title = "Inputs that the publications do not print, and what is assumed for them"
     return Table.from_rows("external-assumed", title, rows)
 
@@ -130,37 +128,33 @@ def agreement_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
     return Figure("external-errors", title, (panel,), caption, columns=1)
 
 
-def computed_and_printed_nut_rigidities(cache: SceneResultCache) -> list[tuple[str, float, dict[str, float | None]]]:
-    """Return the axial rigidities of each catalogue nut: computed with more and more effects, and printed.
+def catalogue_nut_rigidity_row(cache: SceneResultCache, size: str) -> Row:
+    """Return the table row of a catalogue nut's rigidities [N/um]: with more and more effects, and as its maker prints it.
 
-    Each item of the list: name of the scene; axial load [N]; rigidities [N/um] by name, None where unknown. The names are
-    "contacts" (Hertz contacts only), "bodies" (with the deformation of nut and screw too), "unequal" (with unequal ball
-    loads too) and "printed" (in the catalogue). ``cache``: gives the solved scenes.
+    ``cache``: gives solved scenes; ``size``: name of the catalogue size.
     """
-    out: list[tuple[str, float, dict[str, float | None]]] = []
-    for size in (*external.THK, *external.HIWIN):
-        name = external.scene_name_of_catalogue_size(size)
-        scene = cache.built_in_scene(name)
-        force = scene.loads[0].force[2]
-        alone, bodies = external.nut_rigidities_without_and_with_bodies(scene, force)
-        solved = external.nut_rigidity_with_unequal_loads(cache, name, DEFAULT)
-        printed = printed_entry("external-thk", f"rigidity_{size}").value
-        unequal = 1e-6 * solved if solved else None
-        stages = {
-            "rigidity_of_contacts": 1e-6 * alone,
-            "rigidity_of_bodies": 1e-6 * bodies,
-            "rigidity_of_unequal_loads": unequal,
-            "rigidity_reference": None,
-            "rigidity_catalogue": printed,
-        }
-        out.append((name, force, stages))
-    return out
+    name = scene_name_of_catalogue_size(size)
+    scene = cache.built_in_scene(name)
+    force = scene.loads[0].force[2]
+    alone, bodies = external.nut_rigidities_without_and_with_bodies(scene, force)
+    solved = external.nut_rigidity_with_unequal_loads(cache, name, DEFAULT)
+    printed = printed_entry("external-thk", f"rigidity_{size}").value
+    stages = {"contacts": 1e-6 * alone, "bodies": 1e-6 * bodies, "unequal_loads": 1e-6 * solved if solved else None}
+    row: Row = {"scene": name, "axial_load_kN": 1e-3 * force}
+    row |= {f"rigidity_of_{key}": value for key, value in stages.items()}
+    row |= {"rigidity_reference": None, "rigidity_catalogue": printed}
+    return row | {f"catalogue_share_of_{key}": share_of_computed(printed, value) for key, value in stages.items()}
+
+
+def share_of_computed(printed: float | None, value: float | None) -> float | None:
+    """Return a printed value divided by the computed one; None if either is not known."""
+    return 1.0 + float(error_percent(printed, value)) / 100.0 if value and printed else None
 
 
 # --- three rigidities of a nut as ISO 3408-4 separates them, compared with the 3D reference and catalogues
 
 
-def nut_rigidity_row(cache: SceneResultCache, name: str) -> dict[str, Cell] | None:
+def nut_rigidity_row(cache: SceneResultCache, name: str) -> Row | None:
     """Return the table row of a nut's rigidities [N/um]: with more and more effects in the model, and by the 3D reference.
 
     ``cache``: gives solved scenes and stored 3D references; ``name``: name of the scene. Returns None without a stored 3D
@@ -192,25 +186,13 @@ def nut_rigidity_row(cache: SceneResultCache, name: str) -> dict[str, Cell] | No
     }
 
 
-def nut_rigidities_table(
-    cache: SceneResultCache,
-    catalogue: Sequence[tuple[str, float, dict[str, float | None]]],
-    referenced_scenes: Sequence[str],
-) -> Table:
+def nut_rigidities_table(cache: SceneResultCache) -> Table:
     """Return the table of nut rigidities with more and more effects: catalogue sizes, then scenes with a 3D reference.
 
-    ``cache``: gives solved scenes and stored 3D references; ``catalogue``: result of `computed_and_printed_nut_rigidities`;
-    ``referenced_scenes``: names of the scenes that are compared with the 3D reference.
+    ``cache``: gives solved scenes and stored 3D references.
     """
-    rows: list[dict[str, Cell]] = []
-    for name, force, stages in catalogue:
-        row: dict[str, Cell] = {"scene": name, "axial_load_kN": 1e-3 * force, **stages}
-        for key in ("contacts", "bodies", "unequal_loads"):
-            value, printed = stages[f"rigidity_of_{key}"], stages["rigidity_catalogue"]
-            share = 1.0 + float(error_percent(printed, value)) / 100.0 if value and printed else None
-            row[f"catalogue_share_of_{key}"] = share
-        rows.append(row)
-    rows += [row for row in (nut_rigidity_row(cache, name) for name in referenced_scenes) if row is not None]
+    rows = [catalogue_nut_rigidity_row(cache, size) for size in (*external.THK, *external.HIWIN)]
+    rows += [row for name in UNSEEN if (row := nut_rigidity_row(cache, name)) is not None]
     note = (
         "Axial load over axial displacement. Contacts alone: equally loaded balls between rigid bodies; contacts and "
         "bodies: nut and screw deform radially as thick tubes, too; unequal contact loads: by the default model, at the "
@@ -231,7 +213,6 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     tables = [name for name in computations_with_function() if name.startswith(PREFIX)]
     found = evidence(cache, *tables)
     step("three rigidities of ball nuts")
-    rigid = nut_rigidities_table(cache, computed_and_printed_nut_rigidities(cache), UNSEEN)
     inferred = float(np.round(external.gmn_rigidity_rms_error_percent(), 2))
     text = (
         (
@@ -247,7 +228,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         Text(text),
         agreement_figure(found),
         *(printed_numbers_table(name, TABLES[name][1], [e for e in found if e.printed.table == name]) for name in tables),
-        rigid,
+        nut_rigidities_table(cache),
         assumptions_table(cache),
     )
     title = "Computed values compared with other programs, makers' catalogues and textbooks"
@@ -342,8 +323,8 @@ def largest_mesh_uncertainty_percent(scene: Scene, loads: Mapping[int, Array]) -
     return float(error_percent((bars + load_error_near_faces(scene, loads[level], level)).max(), 0.0, mean))
 
 
-def fixation_table_rows(cache: SceneResultCache, size: str) -> list[dict[str, Cell]]:
-    """Return table rows of a catalogue screw: largest contact load, life, rigidity, for each nut fixation and each model.
+def fixation_table_rows(cache: SceneResultCache, size: str) -> Iterator[Row]:
+    """Yield table rows of a catalogue screw: largest contact load, life, rigidity, for each nut fixation and each model.
 
     The rows of the default model come first, then those of every stored mesh level of the 3D reference. The default model
     fixes the whole annulus of a flange, so it has no row for a flange fixed by bolts. ``cache``: gives the solved scenes;
@@ -365,7 +346,6 @@ def fixation_table_rows(cache: SceneResultCache, size: str) -> list[dict[str, Ce
             bar = largest_mesh_uncertainty_percent(held[way], {k: load for k, load in loads[way].items() if k <= level})
             rigidity = in_3D[way][level]["rigidity"]
             solved.append((f"{THREE}, level {level}", way, loads[way][level], rigidity, bar))
-    rows: list[dict[str, Cell]] = []
     first: dict[str, tuple[float, ...]] = {}
     for by, way, load, rigidity, mesh in solved:
         lasts = basic_rating_life(held[way], load)
@@ -376,24 +356,21 @@ def fixation_table_rows(cache: SceneResultCache, size: str) -> list[dict[str, Ce
         changes = [float(error_percent(value, old)) for value, old in zip(values, start, strict=True)]
         model = by == DEFAULT
         error = load_error(load, loads[way][max(loads[way])]).max_percent if model and loads[way] else None
-        rows.append(
-            {
-                "scene": name,
-                "model_or_level": by,
-                "fixed_surface": way,
-                "largest_load_g4": values[0],
-                "load_change": changes[0],
-                "expected_load_error": estimate_model_error(held[way], found[way]).loads if model else None,
-                "largest_load_error": error,
-                "mesh_uncertainty": mesh,
-                "life": values[1],
-                "life_change": changes[1],
-                "axial_rigidity": values[2],
-                "rigidity_change": changes[2],
-                "catalogue_share": None if printed is None else 1.0 + float(error_percent(printed, values[2])) / 100.0,
-            }
-        )
-    return rows
+        yield {
+            "scene": name,
+            "model_or_level": by,
+            "fixed_surface": way,
+            "largest_load_g4": values[0],
+            "load_change": changes[0],
+            "expected_load_error": estimate_model_error(held[way], found[way]).loads if model else None,
+            "largest_load_error": error,
+            "mesh_uncertainty": mesh,
+            "life": values[1],
+            "life_change": changes[1],
+            "axial_rigidity": values[2],
+            "rigidity_change": changes[2],
+            "catalogue_share": share_of_computed(printed, values[2]),
+        }
 
 
 def flange_bolts_sentence() -> str:
@@ -419,12 +396,12 @@ def flange_bolts_sentence() -> str:
     return head + "; ".join(words) + "." if words else f"Flanges fixed by single bolts were not solved in {THREE}."
 
 
-def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
+def mesh_uncertainty_sentence(rows: list[Row]) -> str:
     """Return the sentence on the mesh uncertainty of the loads in 3D, and on the change of results on a finer mesh.
 
     ``rows``: table rows of all catalogue sizes, fixations and models, from `fixation_table_rows`.
     """
-    bars = [float(row["mesh_uncertainty"] or 0.0) for row in rows if row["mesh_uncertainty"] is not None]
+    bars = [row["mesh_uncertainty"] for row in rows if row["mesh_uncertainty"] is not None]
     if not bars:
         return f"Nothing was solved in {THREE}."
     of = {(row["scene"], row["model_or_level"], row["fixed_surface"]): row for row in rows}
@@ -433,8 +410,8 @@ def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
         coarse = of.get((scene, f"{THREE}, level 1", held))
         if coarse is not None and by not in (DEFAULT, coarse["model_or_level"]):
             for column in ("load_change", "life_change", "rigidity_change"):
-                moved.setdefault(column, []).append(abs(float(row[column] or 0.0) - float(coarse[column] or 0.0)))
-            change = error_percent(float(row["axial_rigidity"] or 0.0), float(coarse["axial_rigidity"] or 1.0))
+                moved.setdefault(column, []).append(abs(row[column] - coarse[column]))
+            change = error_percent(row["axial_rigidity"], coarse["axial_rigidity"])
             moved.setdefault("rigidity", []).append(abs(float(change)))
     sentence = f"The meshes leave {min(bars):.2f} to {max(bars):.2f} % of the mean load uncertain (95 %)."
     if not moved:
@@ -447,17 +424,13 @@ def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
     )
 
 
-def column_range_in_words(rows: list[dict[str, Cell]], column: str, fixation: str = "", form: str = "+.1f") -> str:
-    """Return in words the smallest and largest value of a table column among the rows of the default model.
+def column_range_in_words(rows: list[Row], column: str, fixation: str = "", form: str = "+.1f") -> str:
+    """Return in words the smallest and largest value of a table column.
 
-    ``rows``: table rows from `fixation_table_rows`; ``column``: key of the column; ``fixation``: only fixations whose name
+    ``rows``: table rows of the default model; ``column``: key of the column; ``fixation``: only fixations whose name
     begins with this text count, all if it is empty; ``form``: format of the numbers.
     """
-    values = [
-        float(row[column] or 0.0)
-        for row in rows
-        if row["model_or_level"] == DEFAULT and str(row["fixed_surface"]).startswith(fixation)
-    ]
+    values = [row[column] for row in rows if row["fixed_surface"].startswith(fixation)]
     return f"{min(values):{form}} to {max(values):{form}}"
 
 
@@ -483,25 +456,21 @@ def fixation_section(cache: SceneResultCache, step: Callable[[str], None]) -> Se
     """
     step("nuts fixed at different surfaces")
     rows = [row for size in SIZES for row in fixation_table_rows(cache, size)]
-    shares = {
-        held: column_range_in_words(rows, "catalogue_share", held, ".2f")
-        for held in ("left", "flange, whole", "flange, outer")
-    }
-    bent = [
-        float(x["catalogue_share"] or 0.0)
-        for x in rows
-        if x["model_or_level"] == DEFAULT and str(x["fixed_surface"]).startswith("flange, outer")
-    ]
+    low = [row for row in rows if row["model_or_level"] == DEFAULT]
+    left, whole, outer = (
+        column_range_in_words(low, "catalogue_share", held, ".2f") for held in ("left", "flange, whole", "flange, outer")
+    )
+    bent = [row["catalogue_share"] for row in low if row["fixed_surface"].startswith("flange, outer")]
     conclusion = (
         "Fixing the nut at another surface than its left face changes the largest contact load by "
-        f"{column_range_in_words(rows, 'load_change')} %, the rating life by {column_range_in_words(rows, 'life_change')} "
-        f"% and the axial rigidity by {column_range_in_words(rows, 'rigidity_change')} %."
+        f"{column_range_in_words(low, 'load_change')} %, the rating life by {column_range_in_words(low, 'life_change')} "
+        f"% and the axial rigidity by {column_range_in_words(low, 'rigidity_change')} %."
     )
     text = (
-        f"Catalogues print {shares['left']} of the rigidity computed with the nut fixed at its left face, "
-        f"{shares['flange, whole']} of that at the whole face of a flange, {shares['flange, outer']} of that at the outer "
+        f"Catalogues print {left} of the rigidity computed with the nut fixed at its left face, "
+        f"{whole} of that at the whole face of a flange, {outer} of that at the outer "
         f"half of this face, where the flange bends: the fixation "
-        f"{'explains a part of' if min(bent, default=0.0) < 1.0 else 'can explain'} the difference.",
+        f"{'explains a part of' if min(bent) < 1.0 else 'can explain'} the difference.",
         mesh_uncertainty_sentence(rows),
         flange_bolts_sentence(),
         flanged_nuts_sentence(),

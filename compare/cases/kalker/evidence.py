@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.cases.external.evidence import EXAMPLE_CELLS, solve_rolling_example
+from rollbench.compare.cases.external.evidence import EXAMPLE_CELLS, lateral_force_and_moment
 from rollbench.compare.evidence import ComputedEntryValues
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import SceneResultCache
@@ -367,15 +367,15 @@ def _verify_example_of_program_contact() -> Iterator[Verification]:
     permitted error is the first-order error of CONTACT's scheme, estimated by the change of its results from the coarsest
     grid to the finest.
     """
-    theirs = [solve_rolling_example(n, by_contact_scheme=True) for n in EXAMPLE_GRIDS]
-    ours = [solve_rolling_example(n) for n in (16, 24, 32)]
+    theirs = [lateral_force_and_moment(n, by_contact_scheme=True) for n in EXAMPLE_GRIDS]
+    ours = [lateral_force_and_moment(n) for n in (16, 24, 32)]
     for key, name in (("lateral", "lateral force over mu P"), ("moment", "moment [N mm]")):
         printed = printed_entry("external-contact", key)
         assert printed.value is not None
-        values = tuple(getattr(v, key) for v in theirs)
+        values = tuple(v[key] for v in theirs)
         digits = 100.0 * printed.tolerance / abs(printed.value)
         words = "CONTACT's example, discretised as there"
         yield Verification(words, name, values, printed.value, digits, grid_refinement=None)
         reach = abs(float(error_percent(values[0], values[-1])))
-        values = tuple(getattr(v, key) for v in ours)
+        values = tuple(v[key] for v in ours)
         yield Verification("CONTACT's example", name, values, printed.value, reach)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
 
@@ -396,13 +396,12 @@ def _stored_rolling_runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
     return [run for run in found if run is not None]
 
 
-def _grid_dependence_rows(stores: Sequence[Path]) -> list[Row]:
-    """Return a table row for each stored result of the 3D rolling model, to show the influence of the grid of cells.
+def _grid_dependence_rows(stores: Sequence[Path]) -> Iterator[Row]:
+    """Yield a table row for each stored result of the 3D rolling model, to show the influence of the grid of cells.
 
     Columns: scene, grid, force or torque, change of this value by elasticity, numerical loss of power (by the upwind finite
     differences) divided by the input power, number of sticking cells. ``stores``: folders of the results.
     """
-    out: list[Row] = []
     every = [(name, run) for name in (*PAIRS, *RINGS) for run in _stored_rolling_runs(name, stores)]
     for name, run in every:
         key = next(k for k in run.elastic if k.startswith(("force", "torque")))
@@ -410,20 +409,17 @@ def _grid_dependence_rows(stores: Sequence[Path]) -> list[Row]:
             "source's size" if run.level == SOURCE_LEVEL else str(run.level),
             interpretation_of_contact_loads(name),
         )
-        out.append(
-            {
-                "scene": name,
-                "load_assumption": state,
-                "grid_level": level,
-                "cell_counts": f"{run.shape[0]} x {run.shape[1]}",
-                "grid_corrected_value": run.values[key],
-                "uncorrected_value": run.elastic[key],
-                "change_by_elasticity": run.elastic[key] - run.near_rigid[key],
-                "numerical_power_loss": 100.0 * run.upwind,
-                "sticking_cells": run.sticking,
-            }
-        )
-    return out
+        yield {
+            "scene": name,
+            "load_assumption": state,
+            "grid_level": level,
+            "cell_counts": f"{run.shape[0]} x {run.shape[1]}",
+            "grid_corrected_value": run.values[key],
+            "uncorrected_value": run.elastic[key],
+            "change_by_elasticity": run.elastic[key] - run.near_rigid[key],
+            "numerical_power_loss": 100.0 * run.upwind,
+            "sticking_cells": run.sticking,
+        }
 
 
 def _from_rest_row(run: RunFromRest) -> Row:

@@ -48,9 +48,8 @@ def _random_ball_errors(half_range: int, number: int = 0) -> Array:
     ``half_range``: the errors are uniform within plus and minus this range [um]; ``number``: number of
     the screw, from 0.
     """
-    return np.asarray(
-        screw_ensemble.draw_uniform_errors(liu.SEED + half_range, number, 1, liu.ball_count(), 1e-6 * half_range)[0]
-    )
+    drawn = screw_ensemble.draw_uniform_errors(liu.SEED + half_range, number, 1, liu.ball_count(), 1e-6 * half_range)
+    return np.asarray(drawn[0])
 
 
 def _curve_over_balls(values: Array, label: str, *, emphasis: bool = False) -> Series:
@@ -81,9 +80,8 @@ def _solve_random_screws(half_range: int) -> screw_ensemble.ScrewEnsemble:
     The loads are `TEST_LOADS`. ``half_range``: the errors of the ball diameters are uniform within plus and minus this
     range [um].
     """
-    return screw_ensemble.solve_ensemble(
-        liu.calibrated_model(), 1e-6 * half_range, list(TEST_LOADS), CURVES, seed=liu.SEED + half_range
-    )
+    model, loads = liu.calibrated_model(), list(TEST_LOADS)
+    return screw_ensemble.solve_ensemble(model, 1e-6 * half_range, loads, CURVES, seed=liu.SEED + half_range)
 
 
 def _percentile_curves_over_load(
@@ -102,19 +100,40 @@ def _percentile_curves_over_load(
     ]
 
 
-def _curve_without_errors(quantity_at_load: Callable[[float], float], loads: Sequence[float] = LOADS) -> Series:
-    """Return the curve, over the axial load, of a quantity of the screw without ball errors.
-
-    ``quantity_at_load``: function that returns the quantity, in the panel's unit, at an axial load [N]; ``loads``: the
-    axial loads [N].
-    """
-    return Series("no ball errors", list(loads), [quantity_at_load(f) for f in loads], "line")
-
-
 def _error_free_response(force: float) -> tuple[float, float]:
     """Return axial displacement [um], then stiffness [1e8 N/m] of the screw without errors under an axial force [N]."""
     state = ball_chain.solve_ball_screw(liu.calibrated_model(), np.zeros(liu.ball_count()), force)
     return 1e6 * state.displacement, 1e-8 * state.stiffness
+
+
+def _error_free_curves(loads: Sequence[float] = LOADS) -> tuple[Series, ...]:
+    """Return displacement [um] and stiffness [1e8 N/m] of the screw without ball errors as curves over axial loads [N]."""
+    responses = zip(*map(_error_free_response, loads), strict=True)
+    return tuple(Series("no ball errors", list(loads), list(values), "line") for values in responses)
+
+
+def _panels_by_error_range(
+    quantity: Spread,
+    unit: float,
+    label: str,
+    others_of_range: Callable[[int], Iterable[Series]],
+    loads: Sequence[float] = LOADS,
+) -> list[Panel]:
+    """Return a panel for each range of ball errors, with curves of a quantity of random screws over the axial load.
+
+    ``quantity``, ``unit``, ``loads``: as in `_percentile_curves_over_load`; ``label``: of the ordinate;
+    ``others_of_range``: function that returns further curves for a half range of the errors [um].
+    """
+    return [
+        Panel(
+            f"ball errors of ±{h} µm",
+            "axial_load",
+            label,
+            (*_percentile_curves_over_load(h, quantity, unit, loads), *others_of_range(h)),
+            include_zero=True,
+        )
+        for h in liu.RANGES
+    ]
 
 
 def ball_deformation_figure() -> Figure:
@@ -145,16 +164,14 @@ def elongation_outside_nut(force: float) -> float:
 def displacement_test_figure() -> Figure:
     """Draw Liu's Figure 13: computed displacement and stiffness of the nut over the axial load of the experiment."""
     found = _percentile_curves_over_load(3, "displacement_first_loaded", 1e-6, TEST_LOADS)
+    free_displacement, free_stiffness = _error_free_curves(TEST_LOADS)
     free = [float(v) + elongation_outside_nut(f) for f, v in zip(TEST_LOADS, found[1].y, strict=True)]
     series = (
         *found,
-        _curve_without_errors(lambda f: _error_free_response(f)[0], TEST_LOADS),
+        free_displacement,
         Series("median, with elongation of the screw outside the nut", list(TEST_LOADS), free, "line"),
     )
-    stiff = (
-        *_percentile_curves_over_load(3, "stiffness", 1e8, TEST_LOADS),
-        _curve_without_errors(lambda f: _error_free_response(f)[1], TEST_LOADS),
-    )
+    stiff = (*_percentile_curves_over_load(3, "stiffness", 1e8, TEST_LOADS), free_stiffness)
     panels = (
         Panel("displacement of the nut", "axial_load", "axial displacement / µm", series, include_zero=True),
         Panel("stiffness of the nut", "axial_load", "stiffness_1e8", stiff, include_zero=True),
@@ -175,19 +192,11 @@ def displacement_test_table() -> Table:
         screws, stretch = _solve_random_screws(3), elongation_outside_nut(force)
         moved = 1e6 * screws.values_at("displacement_first_loaded", force)
         loaded = float(np.median(screws.values_at("loaded", force)))
-        low, middle, high = (float(np.quantile(moved, q)) for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
-        rows.append(
-            {
-                "axial_load": f"{force:g}",
-                "printed_displacement": "in a figure only",
-                "displacement_median": middle,
-                "displacement_p0_5": low,
-                "displacement_p99_5": high,
-                "displacement_without_errors": _error_free_response(force)[0],
-                "screw_elongation": stretch,
-                "loaded_balls_median": loaded,
-            }
-        )
+        row: Row = {"axial_load": f"{force:g}", "printed_displacement": "in a figure only"}
+        for end, q in (("median", 0.5), ("p0_5", liu.UNLIKELY), ("p99_5", 1.0 - liu.UNLIKELY)):
+            row[f"displacement_{end}"] = float(np.quantile(moved, q))
+        row |= {"displacement_without_errors": _error_free_response(force)[0], "screw_elongation": stretch}
+        rows.append(row | {"loaded_balls_median": loaded})
     note = (
         "Displacement of the nut by Liu's equation (19), counted from the first contact of a ball. The cross section of "
         "the screw is assumed (scene liu-screw)."
@@ -284,13 +293,14 @@ def loaded_balls_figure(found: dict[str, float], caption_end: str) -> Figure:
     ``found``: printed values by key, such as "loaded_2_500" for ball errors within ±2 um and a load of 500 N;
     ``caption_end``: text that ends the caption.
     """
-    panels = []
-    for h in liu.RANGES:
-        keys = [k for k in found if k.startswith((f"loaded_{h}_", f"unloaded_{h}_"))]
-        at = [float(k.split("_")[2]) for k in keys]
+
+    def printed_counts(half_range: int) -> list[Series]:
+        """Return the printed numbers of loaded balls for a half range of the ball errors [um] as markers."""
+        keys = [k for k in found if k.startswith((f"loaded_{half_range}_", f"unloaded_{half_range}_"))]
         counts = [liu.ball_count() - found[k] if k.startswith("un") else found[k] for k in keys]
-        series = (*_percentile_curves_over_load(h, "loaded", 1.0, LOADS[:-2]), _printed_markers(at, counts))
-        panels.append(Panel(f"ball errors of ±{h} µm", "axial_load", "number of loaded balls", series, include_zero=True))
+        return [_printed_markers([float(k.split("_")[2]) for k in keys], counts)]
+
+    panels = _panels_by_error_range("loaded", 1.0, "number of loaded balls", printed_counts, LOADS[:-2])
     caption = (
         "Markers: number of loaded balls by Liu's text, which for some loads prints the number of unloaded balls, out of "
         f"78. {caption_end} {SPREAD}"
@@ -301,17 +311,7 @@ def loaded_balls_figure(found: dict[str, float], caption_end: str) -> Figure:
 
 def displacement_figure() -> Figure:
     """Draw Liu's Figure 19: axial displacement of the nut over the axial load."""
-    free = _curve_without_errors(lambda f: _error_free_response(f)[0])
-    panels = [
-        Panel(
-            f"ball errors of ±{h} µm",
-            "axial_load",
-            "displacement",
-            (*_percentile_curves_over_load(h, "displacement_first_loaded", 1e-6), free),
-            include_zero=True,
-        )
-        for h in liu.RANGES
-    ]
+    panels = _panels_by_error_range("displacement_first_loaded", 1e-6, "displacement", lambda _: _error_free_curves()[:1])
     title = "Liu (2025), Figure 19: displacement of the nut, plotted against the axial load"
     return Figure("liu-figure-19", title, panels, f"{NO_VALUES} {SPREAD}", columns=3)
 
@@ -333,14 +333,13 @@ def stiffness_figure(found: dict[str, float], caption_end: str) -> Figure:
     ``found``: printed values by key, such as "K_2_3000" for ball errors within ±2 um and a load of 3000 N;
     ``caption_end``: text that ends the caption.
     """
-    free, panels = _curve_without_errors(lambda f: _error_free_response(f)[1]), []
-    for h in liu.RANGES:
-        marks = [
-            _printed_stiffness_markers(found, h, "printed"),
-            _printed_stiffness_markers(found, 0, "printed, no ball errors"),
-        ]
-        series = (*_percentile_curves_over_load(h, "stiffness", 1e8), free, *marks)
-        panels.append(Panel(f"ball errors of ±{h} µm", "axial_load", "stiffness_1e8", series, include_zero=True))
+
+    def others_of_range(half_range: int) -> tuple[Series, ...]:
+        """Return curve without errors and printed stiffnesses for a half range of the ball errors [um]."""
+        printed = {half_range: "printed", 0: "printed, no ball errors"}
+        return (_error_free_curves()[1], *(_printed_stiffness_markers(found, h, words) for h, words in printed.items()))
+
+    panels = _panels_by_error_range("stiffness", 1e8, "stiffness_1e8", others_of_range)
     caption = (
         "Computed: tangent stiffness. Liu's equation (22) is a secant, which lies above the tangent; its load step is not "
         f"printed. {caption_end} {SPREAD}"
@@ -356,10 +355,8 @@ def stiffness_of_three_screws_figure(found: dict[str, float]) -> Figure:
     """
     curves = []
     for i, name in enumerate(liu.SETS):
-        values = [
-            1e-8 * ball_chain.solve_ball_screw(liu.calibrated_model(), _random_ball_errors(2, i), f).stiffness
-            for f in LOADS
-        ]
+        model, errors = liu.calibrated_model(), _random_ball_errors(2, i)
+        values = [1e-8 * ball_chain.solve_ball_screw(model, errors, f).stiffness for f in LOADS]
         curves.append(Series(f"computed, random screw {i + 1}", list(LOADS), values, "line"))
         curves.append(_printed_stiffness_markers(found, name, f"printed, set {name}"))
     loads, spread = (100.0, 1100.0, 2100.0), [liu.stiffness_spreads_of_triples(f) for f in (100.0, 1100.0, 2100.0)]

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
+from itertools import product
 from math import cos, degrees, sin
 
 import numpy as np
@@ -114,9 +115,13 @@ def solve_screws_with_random_errors(half_range_um: int) -> screw_ensemble.ScrewE
     The loads are `LOADS`. ``half_range_um``: the errors of the ball diameters are uniform within plus and minus this range
     [um].
     """
-    return screw_ensemble.solve_ensemble(
-        calibrated_model(), 1e-6 * half_range_um, list(LOADS[half_range_um]), MEMBERS, seed=SEED + half_range_um
-    )
+    return _solve_random_screws(half_range_um, LOADS[half_range_um])
+
+
+def _solve_random_screws(half_range_um: int, loads: Sequence[float]) -> screw_ensemble.ScrewEnsemble:
+    """Solve `MEMBERS` screws whose ball errors are uniform within a half range [um], under the axial ``loads`` [N]."""
+    seed = SEED + half_range_um
+    return screw_ensemble.solve_ensemble(calibrated_model(), 1e-6 * half_range_um, list(loads), MEMBERS, seed=seed)
 
 
 def random_screw_values(half_range_um: int, quantity: screw_ensemble.Quantity, load: float) -> Array:
@@ -165,10 +170,10 @@ def section_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
     steel = {"E": 1e-9 * balls.material.youngs_modulus, "nu": balls.material.poissons_ratio}
     findings.numbers({"alpha_0": degrees(angle), "M": float(scene.ball_count), **steel})
     findings.add_number("lead_angle", degrees(lead), "from pitch and radius")
-    parts = [findings.printed(key) for key in ("v_2pi", "ball_error", "profile_error")]
-    findings.numbers(dict(zip(("v_2pi", "ball_error", "profile_error"), parts, strict=True)))
-    right = parts[0] * sin(angle) * cos(lead) + parts[1] + parts[2]
-    findings.add_number("range", None, as_printed=sum(parts), follows=right)
+    parts = {key: findings.printed(key) for key in ("v_2pi", "ball_error", "profile_error")}
+    findings.numbers(parts)
+    right = parts["v_2pi"] * sin(angle) * cos(lead) + parts["ball_error"] + parts["profile_error"]
+    findings.add_number("range", None, as_printed=sum(parts.values()), follows=right)
     findings.numbers({f"e_{h}": float(h) for h in LOADS})
     findings.add_claim("plus_or_minus", False, "the plus sign draws in [e, 3 e], the minus sign in [-e, e]")
 
@@ -182,10 +187,8 @@ def compare_with_elimination() -> tuple[int, int, float]:
     errors = screw_ensemble.draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
     same, rounds, worst = 0, 0, 0.0
     for e in errors:
-        ours, other = (
-            ball_chain.solve_ball_screw(calibrated_model(), e, 500.0),
-            solve_by_elimination(calibrated_model(), e, 500.0),
-        )
+        ours = ball_chain.solve_ball_screw(calibrated_model(), e, 500.0)
+        other = solve_by_elimination(calibrated_model(), e, 500.0)
         same += int(other.converged and np.array_equal(ours.load > 0.0, other.contact_loads > 0.0))
         rounds = max(rounds, other.rounds)
         worst = max(worst, float(np.abs(ours.load - other.contact_loads).max() / ours.load.max()))
@@ -212,20 +215,16 @@ def section_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
     for key, load in (("unloaded_1500", 1500.0), ("unloaded_500", 500.0)):
         sample = ball_count() - loaded[load]
         findings.add_number(key, float(np.median(sample)), percentile_with_words(sample, findings.printed(key), 0.0)[1])
-    exactly = {f: float(np.mean(loaded[f] == ball_count() - 1)) for f in (1000.0, 1500.0)}
-    findings.add_remark(
-        "caption_1000", "probability of exactly one: {:.3f} at 1000 N, {:.3f} at 1500 N".format(*exactly.values())
-    )
+    exactly = [f"{np.mean(loaded[f] == ball_count() - 1):.3f} at {f:g} N" for f in (1000.0, 1500.0)]
+    findings.add_remark("caption_1000", f"probability of exactly one: {', '.join(exactly)}")
     findings.numbers({"load": findings.printed("load"), "free_length": findings.printed("free_length")})
     ratio = random_screw_values(3, "smallest", 3000.0) / random_screw_values(3, "largest", 3000.0)
     low, high = np.quantile(ratio, [UNLIKELY, 1.0 - UNLIKELY])
     words = f"smallest over largest load {low:.2f} to {high:.2f} (central 99 %) at 3000 N"
     findings.add_claim("uniform_3000", low > 0.5, words)
     medians = [float(np.median(random_screw_values(3, "stiffness", f))) / 1e8 for f in LOADS[3]]
-    words = ", ".join(f"{v:.2f}" for v in medians)
-    findings.add_claim(
-        "falls", bool(np.all(np.diff(medians) < 0.0)), f"{words} 1e8 N/m from 100 to 5000 N (medians, ±3 um)"
-    )
+    words = f"{', '.join(f'{v:.2f}' for v in medians)} 1e8 N/m from 100 to 5000 N (medians, ±3 um)"
+    findings.add_claim("falls", bool(np.all(np.diff(medians) < 0.0)), words)
 
 
 def mei_model() -> ball_chain.BallScrewChain:
@@ -262,9 +261,8 @@ def section_4_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     findings.add_number("ratio_mei", ball_chain.last_to_first_load_ratio(mei_model(), load), words)
     zero = np.zeros(ball_count())
     found = [x for law in ("implicit", "exact") for x in largest_deviations_from_mei_percent(calibrated_model(law), zero)]
-    findings.add_number(
-        "deviation", found[0], "implicit {:.2f} of Mei's, {:.2f} of its own load; exact {:.2f}, {:.2f}".format(*found)
-    )
+    words = "implicit {:.2f} of Mei's, {:.2f} of its own load; exact {:.2f}, {:.2f}".format(*found)
+    findings.add_number("deviation", found[0], words)
     less = ball_chain.solve_ball_screw(mei_model(), zero, load).load - solve_with_error_of_ball_33(0.0, load).load
     findings.add_claim("smaller", bool(np.all(less > 0.0)), f"by {less.min():.2f} to {less.max():.2f} N")
     errors = screw_ensemble.draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
@@ -288,9 +286,8 @@ def load_by_other_contact_angle_laws_in_words(error_um: float, load: float) -> s
     The model is calibrated to the same ratio Q78/Q1 for each law. ``error_um``: error of the diameter of ball 33 [um];
     ``load``: axial load [N].
     """
-    found = {
-        law: solve_with_error_of_ball_33(error_um, load, calibrated_model(law)).load[32] for law in ("exact", "constant")
-    }
+    laws: tuple[ball_chain.Law, ...] = ("exact", "constant")
+    found = {law: solve_with_error_of_ball_33(error_um, load, calibrated_model(law)).load[32] for law in laws}
     return "; ".join(f"{law} contact angle {value:.2f} N" for law, value in found.items())
 
 
@@ -332,22 +329,17 @@ def section_4_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     start = ball_chain.load_at_which_ball_is_loaded(calibrated_model(), ball_errors_with_faulty_ball_33(-2e-6), 32, HEAVY)
     words = f"loaded from {start:.0f} N on"
     findings.add_number("minus_Q33_1000", float(solve_with_error_of_ball_33(-2.0, LIGHT).load[32]), words)
-    low, high = load_change_range_of_other_balls(-2.0)
-    findings.add_claim("minus_others", low > 0.0, f"by {low:.3f} to {high:.3f} N")
-    low, high = load_change_range_of_other_balls(2.0)
-    findings.add_claim("plus_others", high < 0.0, f"by {low:.3f} to {high:.3f} N")
+    for name, sign in (("minus", -1.0), ("plus", 1.0)):
+        low, high = load_change_range_of_other_balls(2.0 * sign)
+        findings.add_claim(f"{name}_others", max(sign * low, sign * high) < 0.0, f"by {low:.3f} to {high:.3f} N")
     errors = ball_errors_with_faulty_ball_33(2e-6)
-    first, last = (
-        ball_chain.load_at_which_ball_is_loaded(calibrated_model(), errors, k, LIGHT) for k in (0, ball_count() - 1)
-    )
+    begins = partial(ball_chain.load_at_which_ball_is_loaded, calibrated_model(), errors)
+    first, last = (begins(k, LIGHT) for k in (0, ball_count() - 1))
     findings.add_claim("only_33", first > 0.0, f"up to {first:.2f} N; ball 78 carries from {last:.2f} N")
-    falls = all(last_over_first_ball_load_ratio(s, LIGHT) > last_over_first_ball_load_ratio(s, HEAVY) for s in (-2.0, 2.0))
-    words = ", ".join(
-        f"{last_over_first_ball_load_ratio(s, LIGHT):.4f} to {last_over_first_ball_load_ratio(s, HEAVY):.4f}"
-        for s in (-2.0, 2.0)
-    )
-    findings.add_claim("ratio_falls", falls, words)
-    pairs = [(last_over_first_ball_load_ratio(2.0, f), last_over_first_ball_load_ratio(-2.0, f)) for f in (LIGHT, HEAVY)]
+    minus, plus = ([last_over_first_ball_load_ratio(s, f) for f in (LIGHT, HEAVY)] for s in (-2.0, 2.0))
+    words = ", ".join(f"{light:.4f} to {heavy:.4f}" for light, heavy in (minus, plus))
+    findings.add_claim("ratio_falls", all(light > heavy for light, heavy in (minus, plus)), words)
+    pairs = list(zip(plus, minus, strict=True))
     words = ", ".join(f"{a:.4f} at +2 um, {b:.4f} at -2 um" for a, b in pairs)
     findings.add_claim("plus_evens", all(a > b for a, b in pairs), words)
 
@@ -449,11 +441,8 @@ def section_4_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     findings.add_claim("all_5000", *judge_fraction_of_screws(random_screw_values(2, "loaded", 5000.0) == ball_count()))
     fewer = decreases_with_error_range("loaded", 100.0) & decreases_with_error_range("loaded", 500.0)
     findings.add_claim("fewer", *judge_fraction_of_screws(fewer))
-    width = {
-        (h, f): random_screw_values(h, "largest", f) - random_screw_values(h, "smallest", f)
-        for h in RANGES
-        for f in (1000.0, 5000.0)
-    }
+    both = product(RANGES, (1000.0, 5000.0))
+    width = {(h, f): random_screw_values(h, "largest", f) - random_screw_values(h, "smallest", f) for h, f in both}
     grows = [width[h, 5000.0] > width[h, 1000.0] for h in RANGES]
     grows += [width[h + 1, f] > width[h, f] for h in (1, 2) for f in (1000.0, 5000.0)]
     findings.add_claim("wider", *judge_fraction_of_screws(np.logical_and.reduce(grows)))
@@ -521,9 +510,7 @@ def secant_stiffness_of_drawn_screws(half_range_um: int, load: float, relative_l
     if relative_load_step == 0.0:
         return 1e-8 * random_screw_values(half_range_um, "stiffness", load)
     ends = [load, (1.0 + relative_load_step) * load]
-    found = screw_ensemble.solve_ensemble(
-        calibrated_model(), 1e-6 * half_range_um, ends, MEMBERS, seed=SEED + half_range_um
-    )
+    found = _solve_random_screws(half_range_um, ends)
     first, last = (found.values_at("displacement", f) for f in ends)
     return np.asarray(1e-8 * relative_load_step * load / (last - first))
 

@@ -78,7 +78,7 @@ CASE = "lin-case1"
 def test_no_error_of_the_mean_load_has_a_limit_or_a_verdict() -> None:
     best = STUDY.stored_reference(CASE).best
     lin = measure_model_error(CASE, STUDY.built_in_scene(CASE), STUDY.solve_once(CASE, "lin"), best)
-    rows = fit.accuracy_rows([lin])
+    rows = [*fit.accuracy_rows([lin])]
     fits = {row["quantity"]: (row["share_within_limit"], row["accurate_enough"]) for row in rows}
     for key in ("percent", "rms_percent"):
         assert fits[fit.WORDS[key]] == (None, None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -319,29 +320,25 @@ CASE_1_CHOICES: tuple[tuple[str, float | None, dict[str, Any], str], ...] = (
 )
 
 
-def model_choice_rows(cache: SceneResultCache) -> list[Row]:
-    """Return the table rows of Lin's case 1, one for each modelling choice: loads, largest change, axial displacement.
+def model_choice_rows(cache: SceneResultCache) -> Iterator[Row]:
+    """Yield the table rows of Lin's case 1, one for each modelling choice: loads, largest change, axial displacement.
 
     Changes are from the loads with all choices by default. ``cache``: gives the solved scenes.
     """
-    rows: list[Row] = []
     for words, conformity, options, model in CASE_1_CHOICES:
         scene = cache.scene_with_options("lin-case1", **options)
         result = cache.solve_once(scene if conformity is None else with_conformity(scene, conformity), model)
         change = load_error(result.load, cache.solve_once("lin-case1").load)
-        rows.append(
-            {
-                "modelling_choice": words,
-                "largest_load": float(result.load.max()),
-                "smallest_load": float(result.load[:, 0].min()),
-                "load_ratio": load_ratio(result.load[:, 0]),
-                "largest_change_f3": change.max_percent,
-                "rms_change_f3": change.rms_percent,
-                "screw_displacement": 1e6 * float(result.centreline[0, 2]),
-                "status": result.status,
-            }
-        )
-    return rows
+        yield {
+            "modelling_choice": words,
+            "largest_load": float(result.load.max()),
+            "smallest_load": float(result.load[:, 0].min()),
+            "load_ratio": load_ratio(result.load[:, 0]),
+            "largest_change_f3": change.max_percent,
+            "rms_change_f3": change.rms_percent,
+            "screw_displacement": 1e6 * float(result.centreline[0, 2]),
+            "status": result.status,
+        }
 
 
 # --- section 2.4.2, geometric errors: printed numbers and claims; those on random errors need randomly drawn screws

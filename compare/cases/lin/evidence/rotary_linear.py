@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from itertools import product
@@ -337,13 +338,12 @@ def appendix_g(findings: ComputedEntryValues, cache: SceneResultCache) -> None: 
 # --- sections 3.2 and 3.3 under several assumptions: balance of power in the rotary bearing, loads of the linear bearing
 
 
-def power_balance_rows() -> list[Row]:
-    """Return table rows of the rotary bearing's friction torque [N mm], power input [W] and friction losses [W].
+def power_balance_rows() -> Iterator[Row]:
+    """Yield table rows of the rotary bearing's friction torque [N mm], power input [W] and friction losses [W].
 
     There are three rows for each case of Lin's Table 3.2: correct Hertz constants and Coulomb friction; Coulomb friction at
     the contact loads that Lin computed; and all as Lin computed it. The motion of the first two minimises the dissipation.
     """
-    rows: list[Row] = []
     for case in CASES:
         for label, s in (
             ("right", solve_rotary_ball(case)),
@@ -353,46 +353,39 @@ def power_balance_rows() -> list[Row]:
             torque = bearing.inner_ring_torque(ROTARY, s.load, s.motion)
             power = torque * ROTARY.screw_speed
             balance = float(error_percent(power, s.motion.loss))
-            rows.append(
-                {
-                    "case_of_table_3_2": case,
-                    "friction_model": label,
-                    "normal_force_sum": float(s.load.force.sum()),
-                    "inner_ring_torque": 1e3 * torque,
-                    "power_input": power,
-                    "friction_loss": s.motion.loss,
-                    "power_balance": balance,
-                    "sticking_contacts": int(s.motion.sticking_contacts.sum()),
-                    "status": s.motion.status,
-                }
-            )
-    return rows
+            yield {
+                "case_of_table_3_2": case,
+                "friction_model": label,
+                "normal_force_sum": float(s.load.force.sum()),
+                "inner_ring_torque": 1e3 * torque,
+                "power_input": power,
+                "friction_loss": s.motion.loss,
+                "power_balance": balance,
+                "sticking_contacts": int(s.motion.sticking_contacts.sum()),
+                "status": s.motion.status,
+            }
 
 
-def linear_pair_sensitivity_rows() -> list[Row]:
-    """Return table rows of ball-to-ball force and friction losses in the linear bearing, one for each pair of assumptions.
+def linear_pair_sensitivity_rows() -> Iterator[Row]:
+    """Yield table rows of ball-to-ball force and friction losses in the linear bearing, one for each pair of assumptions.
 
     The first assumption is how the contact loads of the two balls are computed, the second is the friction coefficient
     between the balls.
     """
-    rows: list[Row] = []
     printed = printed_entry("lin-3.5", "a_force_numerical")
     for loads, mu in product(LOADS, (0.1, 0.0)):
         r, worst = solve_linear_ball_pair(loads=loads, mu_balls=mu), solve_linear_ball_pair(WORST, loads, mu_balls=mu)
         increase = float(error_percent(worst.touching.loss, worst.apart.loss))
         eps = [100.0 * float(x) for x in r.velocity_deviation]
         force_error = float(error_percent(r.ball_to_ball_force, printed.value or 0.0))
-        rows.append(
-            {
-                "load_method": loads,
-                "ball_friction": mu,
-                "eps1": eps[0],
-                "eps2": eps[1],
-                ("ball_force_at", "2"): r.ball_to_ball_force,
-                ("ball_force_error", printed.number_as_printed): force_error,
-                "loss_ratio_3_deg": 100.0 * worst.groove_and_ball_loss_ratio,
-                ("loss_increase_at", "3"): increase,
-                "status": "converged" if r.touching.converged else "not converged",
-            }
-        )
-    return rows
+        yield {
+            "load_method": loads,
+            "ball_friction": mu,
+            "eps1": eps[0],
+            "eps2": eps[1],
+            ("ball_force_at", "2"): r.ball_to_ball_force,
+            ("ball_force_error", printed.number_as_printed): force_error,
+            "loss_ratio_3_deg": 100.0 * worst.groove_and_ball_loss_ratio,
+            ("loss_increase_at", "3"): increase,
+            "status": "converged" if r.touching.converged else "not converged",
+        }

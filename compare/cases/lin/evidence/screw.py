@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from math import degrees, radians
@@ -474,13 +474,12 @@ def contact_load_interpretations() -> list[tuple[str, str, Callable[[float], Pai
     ]
 
 
-def contact_load_interpretation_rows() -> list[Row]:
-    """Return table rows for Lin's Table 3.7, one for each interpretation of the contact loads of the two balls.
+def contact_load_interpretation_rows() -> Iterator[Row]:
+    """Yield table rows for Lin's Table 3.7, one for each interpretation of the contact loads of the two balls.
 
     Columns for each case (a) and (b): ball-to-ball force [N], its error against the printed force [%], increase of the
     friction loss [%], contact load of a ball [N].
     """
-    rows = list[Row]()
     for kind, label, make in contact_load_interpretations():
         row: Row = {"interpretation": kind, "load_assumption": label}
         good = True
@@ -495,8 +494,7 @@ def contact_load_interpretation_rows() -> list[Row]:
                 ("ball_load_at", f"{theta:g}"): load,
             }
             good = good and r.converged
-        rows.append(row | {"status": "converged" if good else "not converged"})
-    return rows
+        yield row | {"status": "converged" if good else "not converged"}
 
 
 def contact_load_implied_by_table_3_7() -> float:
@@ -611,8 +609,8 @@ def nearest_in_words(key: str) -> str:
     return f"nearest of {len(TRIED)} interpretations: {text}: {numbers} (table friction-run-readings)"
 
 
-def simulation_interpretation_rows() -> list[Row]:
-    """Return table rows of the whole-screw simulation, one for each interpretation of section 3.4.4 of Lin's thesis.
+def simulation_interpretation_rows() -> Iterator[Row]:
+    """Yield table rows of the whole-screw simulation, one for each interpretation of section 3.4.4 of Lin's thesis.
 
     Columns: rule that decides which neighbouring balls touch, interpretation, the three results that Lin prints, and the
     differences from the printed values. The last rows are computed with Lin's rule for contact between balls.
@@ -627,12 +625,10 @@ def simulation_interpretation_rows() -> list[Row]:
         found.append((SOURCE_RULE, reading, [of_source[q] for q in RUN[2:5]]))
     off = [f"{name}_off" for name in RUN[2:5]]
     printed = [printed_value("lin-3.4.4", key) for key in PRINTED_OF_RUN]
-    rows = list[Row]()
     for rule, reading, values in found:
         known = [None if v is None or not np.isfinite(v) else float(v) for v in values]
         missed = [None if v is None else v - p for v, p in zip(known, printed, strict=True)]
-        rows.append(dict(zip((*READING, *RUN[2:5], *off), (rule, *map(str, reading), *known, *missed), strict=True)))
-    return rows
+        yield dict(zip((*READING, *RUN[2:5], *off), (rule, *map(str, reading), *known, *missed), strict=True))
 
 
 #: Columns on the interpretation of Lin's text in a simulation of the whole screw.
@@ -739,13 +735,12 @@ def bearings_under_varied_assumptions() -> list[tuple[str, str, friction_bearing
     return [(kind, words, case) for kind, cases in kinds.items() for words, case in cases.items()]
 
 
-def bearing_torque_rows() -> list[Row]:
-    """Return table rows of the friction torque of the bearings of Lin's section 4.3.1, one for each assumption.
+def bearing_torque_rows() -> Iterator[Row]:
+    """Yield table rows of the friction torque of the bearings of Lin's section 4.3.1, one for each assumption.
 
     Columns: friction torque [N mm] at a load angle of 0 deg; then, for each angle of `ENDS`, the largest torque up to this
     load angle divided by the smallest.
     """
-    rows = list[Row]()
     for bearing, label, case in bearings_under_varied_assumptions():
         found = friction_bearing.solve_bearing(case, ANGLES)
         row: Row = {"bearing": bearing, "varied_assumption": label, "torque_at_0_deg": 1e3 * float(found.torque[0])}
@@ -754,30 +749,25 @@ def bearing_torque_rows() -> list[Row]:
         upto = found.angle <= radians(18.0) * (1.0 + 1e-12)
         status = "converged" if found.converged.all() else "not converged"
         most = int(found.balls_beyond_two_contacts[upto].max())
-        rows.append(row | {"balls_with_third_contact": most, "status": status})
-    return rows
+        yield row | {"balls_with_third_contact": most, "status": status}
 
 
-def ball_contact_onset_rows(cache: SceneResultCache) -> list[Row]:
-    """Return table rows of the nut angle at which neighbouring balls first touch: section 4.3.2 of Lin's thesis.
+def ball_contact_onset_rows(cache: SceneResultCache) -> Iterator[Row]:
+    """Yield table rows of the nut angle at which neighbouring balls first touch: section 4.3.2 of Lin's thesis.
 
     There is one row for each kind of geometric error and each velocity of unloaded balls. ``cache``: gives the solved
     scenes.
     """
-    rows = list[Row]()
     for errors in SCREWS:
         for idle in IDLE:
             o = compute_ball_contact_onset(cache, errors, idle)
             lost, approach = int((o.contact_load_sums == 0.0).sum()), np.isfinite(o.rotation_to_meeting)
             meet, first = f"{int(approach.sum())} of {approach.size}", degrees(o.rotation_to_first_meeting)
-            rows.append(
-                {
-                    "error_kind": errors,
-                    "idle_speed": idle,
-                    "unloaded_balls": lost,
-                    "approaching_pairs": meet,
-                    "angle_of_first_touch": first if np.isfinite(first) else None,
-                    "status": "converged" if o.converged else "not converged",
-                }
-            )
-    return rows
+            yield {
+                "error_kind": errors,
+                "idle_speed": idle,
+                "unloaded_balls": lost,
+                "approaching_pairs": meet,
+                "angle_of_first_touch": first if np.isfinite(first) else None,
+                "status": "converged" if o.converged else "not converged",
+            }

@@ -145,8 +145,7 @@ TIE_ROD = (0.0, 6.0, 12.0, 18.0)
 def shipped_steering_gear() -> Assembly:
     """Return the scene, included with rollbench, of Lin's steering gear: a rack with ball screw and bearing."""
     found = catalogue.shipped_scene(RACK)
-    if not isinstance(found, Assembly):
-        raise AssertionError(f"scene {RACK}: expected a shaft with ball screw and bearing, got {type(found).__name__}")
+    assert isinstance(found, Assembly), f"{RACK}: {type(found).__name__}"
     return found
 
 
@@ -266,8 +265,7 @@ def rounded_value_lies_in_range(band: tuple[float, float], printed: float) -> bo
 def _nonzero_contact_loads(result: AxisResult, part: int) -> Array:
     """Return the nonzero contact loads [N] of the steering gear's ball screw (``part`` 0) or its bearing (``part`` 1)."""
     balls = result.sets[part].balls
-    if balls is None:
-        raise AssertionError(f"steering gear: no contact loads were computed for the {('ball screw', 'bearing')[part]}")
+    assert balls is not None
     return np.asarray(balls.load[balls.load > 0.0])
 
 
@@ -287,8 +285,8 @@ PINION_HOLDS = {"held but along the rack": ("ux", "uy", "rx", "ry", "rz"), "pinn
 OFFSETS, ANGLES = (-0.02, 0.0, 0.02), (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0)
 
 
-def lash_difference_rows(scene: Scene) -> list[Row]:
-    """Return table rows of the lash differences between ball patterns, one input changed at a time that Lin does not print.
+def lash_difference_rows(scene: Scene) -> Iterator[Row]:
+    """Yield table rows of the lash differences between ball patterns, one input changed at a time that Lin does not print.
 
     The first row has the inputs of ``scene``. The lateral force stays on the longer side of the screw.
     """
@@ -298,24 +296,20 @@ def lash_difference_rows(scene: Scene) -> list[Row]:
     cases += [("position of the nut", (usual[0], 0.5 * scene.screw.length, *usual[2:]))]
     cases += [("distance of the lateral force", (*usual[:2], x, usual[3])) for x in REACHES if x != usual[2]]
     cases += [("restraint", (*usual[:3], name)) for name in RESTRAINTS if name != usual[3]]
-    rows: list[Row] = []
     for changed, (diameter, position, reach, restraint) in cases:
         screw, nut = replace(scene.screw, outer_diameter=diameter), replace(scene.nut, position=position)
         axial, conical = relative_lash_differences(replace(scene, screw=screw, nut=nut), reach, RESTRAINTS[restraint])
-        rows.append(
-            {
-                "varied_input": changed,
-                "screw_diameter": 1e3 * diameter,
-                "nut_position": 1e3 * position,
-                "lateral_force_distance": 1e3 * reach,
-                "left_end_restraint": restraint,
-                "axial_lash_difference": axial,
-                "smallest_conical_lash_difference": min(conical),
-                "largest_conical_lash_difference": max(conical),
-                "directions_with_smaller_axial": f"{sum(axial < x for x in conical)} of {len(conical)} directions",
-            }
-        )
-    return rows
+        yield {
+            "varied_input": changed,
+            "screw_diameter": 1e3 * diameter,
+            "nut_position": 1e3 * position,
+            "lateral_force_distance": 1e3 * reach,
+            "left_end_restraint": restraint,
+            "axial_lash_difference": axial,
+            "smallest_conical_lash_difference": min(conical),
+            "largest_conical_lash_difference": max(conical),
+            "directions_with_smaller_axial": f"{sum(axial < x for x in conical)} of {len(conical)} directions",
+        }
 
 
 def change_gear_layout(gear: Assembly, pinion: float, pinion_restraint: str, offset: float) -> Assembly:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import product
 from typing import Literal
 
 import numpy as np
@@ -22,22 +23,13 @@ from rollbench.compare.models.study import SceneResultCache, with_conformity
 from rollbench.compare.printed import printed_entry, printed_value
 from rollbench.compare.results.solving import solve_with_results
 from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel, lateral_displacement_curves
+from rollbench.compare.sections.curves import scale_to_python_floats as floats
 from rollbench.compare.studies.members.ensemble import RandomDrawsResult, random_draws_of_built_in_scene
 from rollbench.lowfi.as_source.newton import solve_lin_equations_with_fallback
 from rollbench.lowfi.statics.contacts import hertz_without_errors, misprinted_hertz_of_flanks
-from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import SIDES, Errors, Scene
 from rollbench.reports.content import Cell, ColumnKey, Figure, LoadedScrew, Panel, Row, Section, Series, Table, Text
-
-
-def reference_mesh_level_in_words(cache: SceneResultCache, name: str) -> str:
-    """Return in words the finest mesh level of a scene's stored 3D reference, such as "level 3", or "none stored".
-
-    ``cache``: gives stored 3D references; ``name``: name of the scene.
-    """
-    found = cache.stored_reference(name)
-    return "none stored" if found is None else f"level {found.runs[-1].level}"
 
 
 def end_support_table(cache: SceneResultCache) -> Table:
@@ -49,13 +41,10 @@ def end_support_table(cache: SceneResultCache) -> Table:
     for reading in chapter_2.END_SUPPORTS:
         for which in ("plain_scene", "offset_scene"):
             name, first = (getattr(one, which) for one in (reading, chapter_2.END_SUPPORTS[0]))
-            level, stated = reference_mesh_level_in_words(cache, name), "yes" if reading.is_stated_by_text else "no"
-            row: Row = {
-                "scene": name,
-                "right_end_restraint": reading.restraint,
-                "stated_by_lin": stated,
-                "finest_level": level,
-            }
+            found = cache.stored_reference(name)
+            row: Row = {"scene": name, "right_end_restraint": reading.restraint}
+            row["stated_by_lin"] = "yes" if reading.is_stated_by_text else "no"
+            row["finest_level"] = "none stored" if found is None else f"level {found.runs[-1].level}"
             for model, words in (("lin", "Lin's model"), (DEFAULT, "refined model")):
                 result = cache.solve_once(name, model)
                 e = load_error(result.load, cache.solve_once(first, model).load)
@@ -140,15 +129,6 @@ def largest_and_smallest_loads_table(cache: SceneResultCache) -> Table:
     return Table.from_rows("cases-summary", title, rows, note)
 
 
-def largest_difference_of_opposite_loads(cache: SceneResultCache) -> float:
-    """Return the largest difference [N] between the loads of opposite contacts of a ball, over all balls and case studies.
-
-    Opposite contacts are SL and NR, and SR and NL (screw or nut, left or right). ``cache``: gives the solved scenes.
-    """
-    loads = [cache.solve_once(name).load for name in chapter_2.CASES]
-    return max(float(np.abs(load[:, :2] - load[:, :1:-1]).max()) for load in loads)
-
-
 def case_study_figures(cache: SceneResultCache) -> tuple[Figure, ...]:
     """Draw contact loads of Lin's case studies 1 to 3 and the screw's centreline of cases 1 and 3.
 
@@ -164,14 +144,16 @@ def case_study_figures(cache: SceneResultCache) -> tuple[Figure, ...]:
         contact_load_curve("Mei, rigid nut", mei, 0),
         contact_load_curve("Mei, nut as a bar", nut, 0),
     )
-    title = f"case 2, flanks SL = NR: {oversized_balls_in_words(cache.built_in_scene('lin-case2'))}"
+    ((ball, radius),) = cache.built_in_scene("lin-case2").errors.balls.listed
+    title = f"case 2, flanks SL = NR: ball {ball} oversized by {1e6 * radius:g} µm"
     second = contact_load_panel(
         title, contact_load_curve("case 2", case2, 0, emphasis=True), contact_load_curve("case 1", case1, 0)
     )
     panels = []
     for reading in chapter_2.END_SUPPORTS:
         plain, offset = cache.solve_once(reading.plain_scene), cache.solve_once(reading.offset_scene)
-        moved = f"offset {1e6 * largest_prescribed_displacement(cache.built_in_scene(reading.offset_scene)):g} µm"
+        supports = cache.built_in_scene(reading.offset_scene).supports
+        moved = f"offset {1e6 * dict(supports[-1].fixed)['ux']:g} µm"
         panels.append(
             contact_load_panel(
                 f"case 3, {reading.restraint} at the right end"
@@ -182,6 +164,8 @@ def case_study_figures(cache: SceneResultCache) -> tuple[Figure, ...]:
                 contact_load_curve("SR, no offset", plain, 1),
             )
         )
+    loads = [cache.solve_once(name).load for name in chapter_2.CASES]
+    off = max(float(np.abs(load[:, :2] - load[:, :1:-1]).max()) for load in loads)  # of opposite contacts
     axes = "z / mm", "displacement / µm"
     straight = Series("Mei (both)", [0.0, 1e3 * float(case1.centreline_z[-1])], [0.0, 0.0], "line")
     title, three = "lateral displacement of the centreline", cache.solve_once(chapter_2.END_SUPPORTS[0].offset_scene)
@@ -195,33 +179,10 @@ def case_study_figures(cache: SceneResultCache) -> tuple[Figure, ...]:
             "Lin's case study 3: contact load of each ball, for each interpretation of the support at the right end",
             tuple(panels),
             "SL, SR: left and right flank of the screw; NL, NR: left and right flank of the nut. Opposite contacts (SL and "
-            f"NR, SR and NL) have equal loads within {largest_difference_of_opposite_loads(cache):.2f} N.",
+            f"NR, SR and NL) have equal loads within {off:.2f} N.",
         ),
         Figure("cases-centreline", "Lin's case studies 1 and 3: displacement of the screw's centreline", (line, bend)),
     )
-
-
-def oversized_balls_in_words(scene: Scene) -> str:
-    """Return in words which balls of a scene are oversized, and by how much."""
-    return "; ".join(f"ball {ball} oversized by {1e6 * radius:g} µm" for ball, radius in scene.errors.balls.listed)
-
-
-def largest_prescribed_displacement(scene: Scene) -> float:
-    """Return the largest absolute displacement [m] that the supports of a scene prescribe."""
-    return max(abs(value) for support in scene.supports for freedom, value in support.fixed if freedom.startswith("u"))
-
-
-def loaded_screw_picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
-    """Return a 3D picture of a screw with arrows for its contact loads.
-
-    ``scene``: the screw; ``result``: its static solution; ``caption``: text below the picture.
-    """
-    held = result.load > 0.0
-    arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
-    title = "Lin's case study 3, right end displaced: contact loads on the balls"
-    one = solve_with_results(scene, result.model, ModelOptions(estimate_beam_mesh_error=False))
-    view = replace(one.scene_view(), title=title)
-    return LoadedScrew("loaded-screw", title, scene, result.load, *arrows, caption, view)
 
 
 def cases_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
@@ -231,24 +192,24 @@ def cases_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
     """
     step("cases 1, 2 and 3 by four models")
     step("case 1 under each modelling choice")
-    rows = chapter_2.model_choice_rows(cache)
     offset = chapter_2.END_SUPPORTS[0].offset_scene
+    scene, result = cache.built_in_scene(offset), cache.solve_once(offset)
+    held, title = result.load > 0.0, "Lin's case study 3, right end displaced: contact loads on the balls"
+    arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
+    view = solve_with_results(scene, result.model, ModelOptions(estimate_beam_mesh_error=False)).scene_view()
+    caption = "Arrows: contact loads on the four flanks. Colour of a ball: its largest contact load."
     return Section(
         "cases",
         "Lin 2.4.1: contact loads in case studies 1, 2 and 3",
         (
             *case_study_figures(cache),
-            loaded_screw_picture(
-                cache.built_in_scene(offset),
-                cache.solve_once(offset),
-                "Arrows: contact loads on the four flanks. Colour of a ball: its largest contact load.",
-            ),
+            LoadedScrew("loaded-screw", title, scene, result.load, *arrows, caption, replace(view, title=title)),
             largest_and_smallest_loads_table(cache),
             end_support_table(cache),
             Table.from_rows(
                 "cases-choices",
                 "Lin's case study 1: change of the contact loads by each modelling choice, and by each fault of the thesis",
-                rows,
+                chapter_2.model_choice_rows(cache),
                 "Changes are against the first row, in per cent of its mean contact load.",
             ),
             contact_loads_table(cache),
@@ -270,8 +231,7 @@ def load_percentile_band(label: str, ensemble: RandomDrawsResult, side: int) -> 
     ``label``: legend; ``ensemble``: results of the randomly drawn screws; ``side``: index of the flank in `SIDES`.
     """
     low, high = np.percentile(ensemble.loads[:, :, side], [5.0, 95.0], axis=0)
-    balls = [float(i + 1) for i in range(low.size)]
-    return Series(label, balls, [float(x) for x in low], "band", [float(x) for x in high])
+    return Series(label, floats(np.arange(1, low.size + 1)), floats(low), "band", floats(high))
 
 
 def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
@@ -303,42 +263,28 @@ def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
         load_percentile_band("SR, 5 to 95 %", combined, 1),
     )
     rows: list[Row] = []
-    for name, e in ensembles.items():
-        for s in (0, 1):
-            load = e.loads[:, :, s]
-            largest = load.max(axis=1)
-            low, mid, high = np.percentile(largest, [5, 50, 95])
-            ratio = float(np.median([chapter_2.load_ratio(one) for one in load]))
-            lost = float((load == 0.0).sum(axis=1).mean())
-            failed = sum(x != "converged" for x in e.statuses)
-            rows.append(
-                {
-                    "scene": name,
-                    "random_screws": len(e.loads),
-                    "flank": SIDES[s],
-                    "largest_load_p5": float(low),
-                    "largest_load_median": float(mid),
-                    "largest_load_p95": float(high),
-                    "load_ratio_median": ratio if s == 0 else None,
-                    "unloaded_balls_mean": lost,
-                    "random_screws_failed": failed,
-                }
-            )
-    changes: list[Row] = []
-    for name in ("lin-case2", "lin-profile", "lin-pitch", "lin-random", "lin-combined"):
-        r = cache.solve_once(name)
-        e2, third = load_error(r.load, base.load), int((r.load[:, 1] > 0).sum())
-        changes.append(
-            {
-                "scene": name,
-                "largest_load_f1": float(r.load.max()),
-                "load_ratio_on_sl": chapter_2.load_ratio(r.load[:, 0]),
-                "largest_change": e2.max_percent,
-                "rms_change": e2.rms_percent,
-                "at_largest_change": f"{e2.ball} {e2.side}",
-                "balls_on_sr": third,
-            }
-        )
+    for (name, e), s in product(ensembles.items(), (0, 1)):
+        load = e.loads[:, :, s]
+        row: Row = {"scene": name, "random_screws": len(load), "flank": SIDES[s]}
+        for end, value in zip(("p5", "median", "p95"), np.percentile(load.max(axis=1), [5, 50, 95]), strict=True):
+            row[f"largest_load_{end}"] = float(value)
+        row["load_ratio_median"] = None if s else float(np.median([*map(chapter_2.load_ratio, load)]))
+        row["unloaded_balls_mean"] = float((load == 0.0).sum(axis=1).mean())
+        rows.append(row | {"random_screws_failed": sum(x != "converged" for x in e.statuses)})
+    kinds = ("lin-case2", "lin-profile", "lin-pitch", "lin-random", "lin-combined")
+    changes: list[Row] = [
+        {
+            "scene": name,
+            "largest_load_f1": float(load.max()),
+            "load_ratio_on_sl": chapter_2.load_ratio(load[:, 0]),
+            "largest_change": e2.max_percent,
+            "rms_change": e2.rms_percent,
+            "at_largest_change": f"{e2.ball} {e2.side}",
+            "balls_on_sr": int((load[:, 1] > 0).sum()),
+        }
+        for name, load in ((name, cache.solve_once(name).load) for name in kinds)
+        for e2 in (load_error(load, base.load),)
+    ]
     return Section(
         "errors",
         "Lin 2.4.2: contact loads with geometric errors",
@@ -380,7 +326,6 @@ def hertz_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
         right, faulty = hertz_without_errors(scene), misprinted_hertz_of_flanks(scene)
         for name, side, printed in zip(("screw", "nut"), (0, 3), faulty, strict=True):
             C, cube_root = float(right.C[side]), 225.0 ** (1 / 3)
-            pressure = float(right.pressure(np.array(225.0))[side])
             constants.append(
                 {
                     "groove_radius": label,
@@ -391,7 +336,7 @@ def hertz_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
                     "approach_at_225_N": 1e6 * C * 225.0 ** (2 / 3),
                     "semi_axis_a_at_225_N": 1e3 * float(right.C_a[side]) * cube_root,
                     "semi_axis_b_at_225_N": 1e3 * float(right.C_b[side]) * cube_root,
-                    "pressure_at_225_N": 1e-6 * pressure,
+                    "pressure_at_225_N": 1e-6 * float(right.pressure(np.array(225.0))[side]),
                 }
             )
     return Section(
@@ -426,16 +371,9 @@ def equivalent_errors_panel(scene: Scene) -> Panel:
     size = {key: printed_value("lin-4.3.2", key) for key in ("e_p", "e_R")}
     pitch = size["e_p"] * np.cos(alpha) * np.sin(beta) * np.sin(phi)
     roundness = size["e_R"] * np.cos(beta) * np.sin(2.0 * phi)
-    degrees = [float(x) for x in np.degrees(phi)]
-    return Panel(
-        "equivalent error along the contact normal",
-        "azimuth",
-        "error / µm",
-        (
-            Series("pitch error", degrees, [float(x) for x in pitch], "line"),
-            Series("roundness error", degrees, [float(x) for x in roundness], "line"),
-        ),
-    )
+    errors = {"pitch error": pitch, "roundness error": roundness}
+    series = [Series(name, floats(np.degrees(phi)), floats(values), "line") for name, values in errors.items()]
+    return Panel("equivalent error along the contact normal", "azimuth", "error / µm", series)
 
 
 def manufacturing_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
@@ -454,7 +392,6 @@ def manufacturing_section(cache: SceneResultCache, step: Callable[[str], None]) 
             for reading, variant in chapter_2.scenes_with_unprinted_inputs_varied(scene):
                 r = cache.solve_once(variant)
                 third = r.load[:, [1, 2]]
-                lost, balls = int(chapter_2.balls_without_load(r).sum()), int((third > 0.0).any(axis=1).sum())
                 rows.append(
                     {
                         "screw_of_thesis": label,
@@ -463,8 +400,8 @@ def manufacturing_section(cache: SceneResultCache, step: Callable[[str], None]) 
                         "largest_load_on_sl": float(r.load[:, 0].max()),
                         "smallest_load_on_sl": float(r.load[:, 0].min()),
                         "load_scatter_on_sl": chapter_2.relative_load_scatter(r),
-                        "unloaded_balls": lost,
-                        "balls_with_third_load": balls,
+                        "unloaded_balls": int(chapter_2.balls_without_load(r).sum()),
+                        "balls_with_third_load": int((third > 0.0).any(axis=1).sum()),
                         "largest_third_load": float(third.max()),
                         "status": r.status,
                     }
@@ -545,10 +482,7 @@ def formulations_section(cache: SceneResultCache, step: Callable[[str], None]) -
 
     ``cache``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
-    rows = []
-    for name in SCENES:
-        step(f"both solvers on {name}")
-        rows.append(solver_agreement_row(cache, name))
+    step("both solvers on every scene")
     return Section(
         "formulations",
         "Lin's static model: the same contact loads by his Newton method and by energy minimisation",
@@ -568,7 +502,7 @@ def formulations_section(cache: SceneResultCache, step: Callable[[str], None]) -
             Table.from_rows(
                 "formulations-agreement",
                 "Difference of contact loads between Lin's Newton method and the energy solver, for each case",
-                rows,
+                [solver_agreement_row(cache, name) for name in SCENES],
                 "Load differences: Lin's Newton method against the energy solver. Load changes: energy solver; by default, "
                 "contact forces act at the current contact points.",
             ),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -108,8 +108,8 @@ def steering_gear_figure(layout_ratios: Sequence[Row]) -> Figure:
     return Figure("rack", title, panels, caption)
 
 
-def load_ratio_range_rows(layout_ratios: Sequence[Row]) -> list[Row]:
-    """Return the table rows of the ranges of the steering gear's load ratios, one for each input that Lin does not print.
+def load_ratio_range_rows(layout_ratios: Sequence[Row]) -> Iterator[Row]:
+    """Yield the table rows of the ranges of the steering gear's load ratios, one for each input that Lin does not print.
 
     A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg. ``layout_ratios``: table rows
     of the load ratios of all layouts; the last row has their range.
@@ -117,7 +117,6 @@ def load_ratio_range_rows(layout_ratios: Sequence[Row]) -> list[Row]:
     every = [[float(row["load_ratio_18_deg", words] or 0.0) for row in layout_ratios] for words in steering.PARTS.values()]
     whole = "layout as a whole", "pinion position and restraint, force directions, bearing position, all combined"
     ranges = steering.load_ratio_ranges(shipped_steering_gear()) | {whole: tuple((min(of), max(of)) for of in every)}
-    rows = []
     for (changed, over), bands in ranges.items():
         row: Row = {"varied_input": changed, "input_range": over}
         for (key, words), (low, high) in zip(steering.PARTS.items(), bands, strict=True):
@@ -128,8 +127,7 @@ def load_ratio_range_rows(layout_ratios: Sequence[Row]) -> list[Row]:
                 ("largest_load_ratio_18_deg", words): high,
                 ("contains_printed_load_ratio", f"{printed:g}", words): "yes" if inside else "no",
             }
-        rows.append(row)
-    return rows
+        yield row
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:

@@ -124,18 +124,12 @@ def solve_by_beam_model(
     of the nut over the length between the supports; ``cache``: not used here. AssertionError without convergence.
     """
     found = catalogue.shipped_scene(layout.scene_name)
-    if not isinstance(found, Assembly):
-        raise AssertionError(
-            f"scene {layout.scene_name}: expected a ball screw with its support bearings, got {type(found).__name__}"
-        )
+    assert isinstance(found, Assembly), f"{layout.scene_name}: {type(found).__name__}"
     at = FIRST + nut_position * bearings.screw_bar().length
     loads = tuple(replace(x, at=at, force=(0.0, 0.0, -bearings.APPLIED)) for x in found.loads)
     result = run_model(replace(found, loads=loads, stiffness_at=at), "lin", ModelOptions())
-    if not result.converged or result.stiffness is None:
-        raise AssertionError(
-            f"scene {layout.scene_name}: expected a converged solution and the stiffness of the screw at the nut, "
-            f"got status {result.status!r}"
-        )
+    assert result.converged, f"{layout.scene_name}: {result.status}"
+    assert result.stiffness is not None
     thrust = {end: sum(float(s.force[2]) for s in result.sets if s.of.name.startswith(end)) for end in ("left", "right")}
     return EndThrustsAndAxisStiffness(-thrust["left"], thrust["right"], float(result.stiffness[2, 2]))
 
@@ -196,18 +190,9 @@ def bearing_set_state(kind: str, end: str, state: str, preload: float = bearings
     rows = bearings.bearing_rows_at_end(kind, end, preload)
     if state == "preload":
         return axis.solve_bearing_row_equilibrium(rows)
-    force = screw_tension() if state == "stretch" else _end_thrusts_under_load(screw_tension())[end]
-    return axis.solve_bearing_row_equilibrium(rows, force)
-
-
-def _end_thrusts_under_load(tension: float) -> dict[str, float]:
-    """Return the thrust [N] on both ends, by "left" and "right", under the carriage's load of Smith's section 4.2.
-
-    The load acts on the nut at mid-length towards the left end; ``tension``: tension of the screw without it [N].
-    """
-    bar = bearings.screw_bar()
-    left, right = axis.support_loads(bar, 0.5 * bar.length, -bearings.APPLIED, tension)
-    return {"left": left, "right": right}
+    bar, applied = bearings.screw_bar(), bearings.APPLIED if state == "applied" else 0.0
+    left, right = axis.support_loads(bar, 0.5 * bar.length, -applied, screw_tension())
+    return axis.solve_bearing_row_equilibrium(rows, left if end == "left" else right)
 
 
 def row_loads_by_smith_rule_lbf(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:

@@ -173,11 +173,10 @@ def table_2_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
     contact holds. ``cache``: not used here.
     """
     for i, difference in enumerate(DIFFERENCES):
-        findings.add_number(f"F_{i}", difference)
         parameters = angular_contact.dimensionless_hertz_parameters(difference)
-        for name, value in zip(("delta", "a", "b"), parameters, strict=True):
-            findings.add_number(f"{name}_{i}", value)
-    findings.add_number(f"F_{len(DIFFERENCES)}", 1.0)
+        names = (f"{name}_{i}" for name in ("F", "delta", "a", "b"))
+        findings.numbers(dict(zip(names, (difference, *parameters), strict=True)))
+    findings.numbers({f"F_{len(DIFFERENCES)}": 1.0})
     limit = np.array([angular_contact.dimensionless_hertz_parameters(f) for f in NEARLY_LINE])
     for name, column, sign in (("delta", 0, -1.0), ("a", 1, 1.0), ("b", 2, -1.0)):
         steps = np.diff(np.log(limit[:, column])) * sign
@@ -223,15 +222,11 @@ def _compute_spreadsheet_cells_under_load(findings: ComputedEntryValues) -> None
         difference = (along - across) / (along + across)
         findings.add_number(f"sum_{name}", across + along, as_printed=source.curvature_sums[i])
         findings.add_number(f"F_{name}", difference, as_printed=source.curvature_differences[i] if name == "i" else None)
-        findings.add_number(
-            f"delta_{name}",
-            angular_contact.dimensionless_hertz_parameters(difference)[0],
-            as_printed=source.dimensionless_approaches[i],
-        )
+        approach = angular_contact.dimensionless_hertz_parameters(difference)[0]
+        findings.add_number(f"delta_{name}", approach, as_printed=source.dimensionless_approaches[i])
         findings.add_number(f"K_{name}", float(h.C) ** -1.5 * 1e-3**1.5, as_printed=source.race_load_constants[i])
-    findings.add_number(
-        "K_n", float(s.inner_hertz.C + s.outer_hertz.C) ** -1.5 * 1e-3**1.5, as_printed=source.load_constant
-    )
+    constant = float(s.inner_hertz.C + s.outer_hertz.C) ** -1.5 * 1e-3**1.5
+    findings.add_number("K_n", constant, as_printed=source.load_constant)
     findings.add_number("alpha", degrees(angle), as_printed=degrees(source.contact_angle))
     findings.add_number("alpha_rad", angle, as_printed=source.contact_angle)
     free, loaded = (np.cos(np.radians(findings.printed(key))) for key in ("alpha_0", "alpha"))
@@ -249,17 +244,9 @@ def _compute_spreadsheet_cells_under_load(findings: ComputedEntryValues) -> None
 
 def _compute_triplex_preload(findings: ComputedEntryValues) -> None:
     """Compute the preload of three matched bearings: section 2.1.2 of Smith (1994); ``findings`` receives the results."""
-    for load in (1500.0, 1020.0):
-        findings.add_number(
-            f"delta_{load:.0f}",
-            float(ball_bearing_state(load * POUND).displacement) / INCH,
-            as_printed=ball_sheet(load).deflection / 25.4,
-        )
-    findings.add_number(
-        "gap",
-        2.0 * float(ball_bearing_state(PRELOAD).displacement) / INCH,
-        as_printed=2.0 * ball_sheet(1500.0).deflection / 25.4,
-    )
+    for key, load, rows in (("delta_1500", 1500.0, 1.0), ("delta_1020", 1020.0, 1.0), ("gap", 1500.0, 2.0)):
+        deflection = rows * float(ball_bearing_state(load * POUND).displacement) / INCH
+        findings.add_number(key, deflection, as_printed=rows * ball_sheet(load).deflection / 25.4)
     triplex = bearing_rows_at_end("ball", "left")
     tensions = 0.0, 2000.0 * POUND
     ready, pulled = (axis.solve_bearing_row_equilibrium(triplex, force).row_thrusts / POUND for force in tensions)
@@ -321,12 +308,10 @@ def section_2_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     measured, theory = (np.array([findings.printed(f"{k}_{n}") for n in loads]) for k in ("measured", "theory"))
     right = np.array([float(ball_bearing_state(float(n) * POUND).stiffness) / POUND_PER_INCH for n in loads])
     for n, value in zip(loads, right, strict=True):
-        findings.add_number(f"load_{n}", float(n))
-        findings.add_number(f"measured_{n}", float(value))
+        findings.numbers({f"load_{n}": float(n), f"measured_{n}": value})
         findings.add_number(f"theory_{n}", float(value), as_printed=ball_sheet_stiffness(float(n)))
-    off = np.array([float(error_percent(t, m)) for t, m in zip(theory, measured, strict=True)])
+    off, ours = error_percent(theory, measured), error_percent(right, measured)
     bad = [f"{p:+.0f} % at {n} lbf" for n, p in zip(loads, off, strict=True) if abs(p) > 10.0]
-    ours = np.array([float(error_percent(r, m)) for r, m in zip(right, measured, strict=True)])
     words = f"{', '.join(bad)}; the right stiffness is {ours.min():+.0f} to {ours.max():+.0f} % off the test"
     findings.add_claim("within_10", not bad, words)
     findings.add_claim("grows", bool(np.all(np.diff(right) > 0.0)), f"from {right[0]:.3g} to {right[-1]:.3g} lbf/in")
@@ -371,7 +356,7 @@ def section_2_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     )
     findings.add_number("F_kg", BALL_TORQUE_LOAD / 9.80665, "1 kg taken as 2.2 lb", as_printed=1000.0 / 2.2)
     viscous, loaded = torque_of_ball_bearing_row()
-    findings.add_number("M_0", viscous)
+    findings.numbers({"M_0": viscous, "f_1": 0.0013, "k_0": 2.8})
     product = 1e6 * VISCOSITY * SPEED / RPM
     findings.add_claim("form", product >= 2000.0, f"v n = {product:.0f} cSt rpm")
     s, rating = ball_bearing_state(BALL_TORQUE_LOAD), static_rating_of_ball_bearing_row()
@@ -382,11 +367,11 @@ def section_2_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     thrust = BALL_TORQUE_LOAD, 0.0, share
     row = torque.ball_bearing_torque("angular contact", float(s.contact_angle), b.pitch_diameter, thrust, None)
     low, high = (x / INCH_POUND for x in row.load)
-    words = f"one row {loaded:.2f} in-lb, with three rows in C_0 {three:.2f}, with P_0 = F_a {whole:.2f}; published "
-    words += (
+    words = (
+        f"one row {loaded:.2f} in-lb, with three rows in C_0 {three:.2f}, with P_0 = F_a {whole:.2f}; published "
         f"coefficients with P_0/C_0 by the largest contact load {low:.2f} to {high:.2f}; nearest reading {nearest:.2f}, "
+        "by what the text does not say: X_0 in place of Y_0, and Palmgren's radial C_0 = 1.25 kg/mm2 Z D^2 cos(alpha)"
     )
-    words += "by what the text does not say: X_0 in place of Y_0, and Palmgren's radial C_0 = 1.25 kg/mm2 Z D^2 cos(alpha)"
     findings.add_number("M_1", loaded, words)
     words = f"computed: {viscous:.2f} + {loaded:.2f} in-lb"
     findings.add_number("M", viscous + loaded, words, follows=findings.printed("M_0") + findings.printed("M_1"))
@@ -395,8 +380,6 @@ def section_2_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     film = 1e-6 * torque.LEAST_FILM * RPM * DENSITY / ATMOSPHERE
     words = f"nu n = {torque.LEAST_FILM:g} cSt rpm, oil of {DENSITY:g} kg/m3, one atmosphere"
     findings.add_number("film", None, words, follows=film)
-    findings.add_number("f_1", 0.0013)
-    findings.add_number("k_0", 2.8)
     test = findings.printed("M_test")
     least, most = (viscous + x / INCH_POUND for x in row.starting)
     words = f"from rest {least:.2f} to {most:.2f} in-lb: film and twice the load's part, which fresh grease exceeds"
@@ -487,8 +470,8 @@ def taper_deflection_range() -> tuple[float, float]:
     middle = (b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle)
     found = []
     for signs in product((-1.0, 1.0), repeat=4):
-        length, diameter, cup, roller = (float(m + s * h) for m, s, h in zip(middle, signs, half, strict=True))
-        found.append(taper_deflection_as_printed(SHEET_LOAD / POUND, length, diameter, cup, roller))
+        inputs = np.add(middle, np.multiply(signs, half)).tolist()
+        found.append(taper_deflection_as_printed(SHEET_LOAD / POUND, *inputs))
     return min(found), max(found)
 
 
@@ -520,9 +503,8 @@ def _compute_taper_spreadsheet(findings: ComputedEntryValues) -> None:
     ratio = findings.printed("J_r") / findings.printed("J_a")
     words = f"printed J_r/J_a = {ratio:.6g}, Z = {findings.printed('Z'):.6g}; "
     words += f"exact at the printed eps: {exact.thrust_integral:.6f}, {exact.radial_integral:.6g}"
-    findings.add_number("J_a", zone.thrust_integral, words)
-    findings.add_number("J_r", zone.radial_integral, words)
-    findings.add_number("eps", zone.eps, words)
+    for key, value in {"J_a": zone.thrust_integral, "J_r": zone.radial_integral, "eps": zone.eps}.items():
+        findings.add_number(key, value, words)
     low, high = taper_deflection_range()
     words = (
         f"3.19 gives {taper_sheet_deflection():.6f} in, over the roundings of the inputs {low:.6f} to {high:.6f}; line "

@@ -29,8 +29,8 @@ def test_known_answers_are_reached(monkeypatch):
 def test_contact_of_another_program_to_its_digits():
     """CONTACT's example fastsim.ref_out, case 1, by its own differences: what its other digits print too."""
     found = solve_rolling_example(EXAMPLE_CELLS, by_contact_scheme=True)
-    assert (found.cells_in_contact, found.sticking_cells) == (1276, 356)
-    assert 30.0 * found.friction_power == pytest.approx(540.4, abs=0.05)
+    assert (len(found.normal_contact.cell_centres), int(found.friction_solution.stick[0].sum())) == (1276, 356)
+    assert 30.0 * found.friction_loss == pytest.approx(540.4, abs=0.05)
 
 
 def test_order_counts_the_cells_of_its_own_grids_and_is_none_where_errors_do_not_fall():
