@@ -340,16 +340,16 @@ class FieldPicture:
     #: Meshes in the picture.
     parts: Sequence[MeshPart]
     #: Direction from the pictured body to the viewer.
-    sight: Sequence[float]
+    sight: Numbers
     #: Direction that points upwards in the picture.
-    up: Sequence[float]
+    up: Numbers
     #: Point in the middle of the picture (3,) [m].
-    focus: Sequence[float]
+    focus: Numbers
     #: Height of the region that the picture shows [m].
     height: float
     #: Cutting planes, each as a point and a normal; elements whose centre lies on the normal's side of all planes are
     #: not drawn.
-    cuts: Sequence[tuple[Sequence[float], Sequence[float]]] = ()
+    cuts: Sequence[tuple[Numbers, Numbers]] = ()
     #: Whether the plane section by the only cutting plane is drawn, in place of the meshes.
     section: bool = False
     #: Name of the drawn field, with unit, at the colour scale.
@@ -359,7 +359,7 @@ class FieldPicture:
     #: Whether the colour scale is logarithmic.
     log: bool = False
     #: Texts written into the picture, as pairs of point [m] and text.
-    words: Sequence[tuple[Sequence[float], str]] = ()
+    words: Sequence[tuple[Numbers, str]] = ()
     #: Length of a scale bar [m]; 0 for none.
     scale_bar: float = 0.0
     #: Caption below the picture.

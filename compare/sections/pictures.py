@@ -232,30 +232,6 @@ def compute_stress_fields(solution: PicturedSolution, step: Step) -> StressField
     )
 
 
-def groove_unit_vectors(solution: PicturedSolution) -> tuple[Array, Array, Array]:
-    """Return three unit vectors of the groove at azimuth 0: radial, along the groove, and normal to these two, each (3,).
-
-    The screw's axis is z. The first and third vector span the groove's cross-section, which is inclined by the lead angle.
-    """
-    alpha = solution.setup.groove_map.alpha
-    return (
-        np.array([1.0, 0.0, 0.0]),
-        np.array([0.0, np.cos(alpha), np.sin(alpha)]),
-        np.array([0.0, -np.sin(alpha), np.cos(alpha)]),
-    )
-
-
-def nominal_contact_point(solution: PicturedSolution, flank: int) -> Array:
-    """Return the nominal contact point (3,) [m] between a ball at azimuth 0 and one flank, in the screw's frame.
-
-    ``flank``: 0 to 3 for SL, SR, NL, NR (screw left and right, nut left and right).
-    """
-    from rollbench.meshes.ball_body import contact_frame_vectors
-
-    m = solution.setup.groove_map
-    return np.asarray(np.array([m.R, 0.0, 0.0]) + m.ball * contact_frame_vectors(m, flank)[0])
-
-
 def mesh_part_with_used_nodes(points: Array, cells: Index, kind: str, colour: str) -> content.MeshPart:
     """Return selected cells of a mesh as a `MeshPart` for a picture, without the nodes that these cells do not use.
 
@@ -341,95 +317,80 @@ def _mesh_parts_around_ball(stresses: StressFields, *, colour_by_stress: bool) -
     )
 
 
-def groove_section_picture(
-    solution: PicturedSolution,
-    stresses: StressFields,
-    name: str,
-    title: str,
-    caption: str,
-    *,
-    height: float,
-    flank: int | None = None,
-) -> content.FieldPicture:
-    """Return the picture of the meshes of screw, ball and nut in the groove's cross-section through the ball's centre.
+def pictures_around_ball(solution: PicturedSolution, stresses: StressFields) -> tuple[content.FieldPicture, ...]:
+    """Return the pictures of meshes and stresses around one ball and its contact with the left flank of the screw's groove.
 
-    The screw is below, the nut above. ``solution``: solution of the scene. ``stresses``: meshes and stresses around the
-    ball. ``name``: file name of the picture. ``height``: height of the shown region [m]. ``flank``: flank whose contact
-    alone is shown, enlarged, 0 to 3 for SL, SR, NL, NR (screw left and right, nut left and right); None: the whole ball is
-    shown.
+    These are: meshes of screw (below), ball and nut in the groove's cross-section through the ball's centre; the groove's
+    mesh seen from the ball; the ball's mesh with this contact in front; stresses in the cross-section, of the whole ball
+    and, enlarged, at this contact. ``solution``: solution of the scene. ``stresses``: meshes and stresses around the ball.
     """
-    x3, y3, _ = groove_unit_vectors(solution)
-    m = solution.setup.groove_map
-    centre = np.array([m.R, 0.0, 0.0])
-    focus = centre if flank is None else nominal_contact_point(solution, flank)
-    places = (centre, "ball"), (centre - 1.36 * m.ball * x3, "screw"), (centre + 1.40 * m.ball * x3, "nut")
-    return content.FieldPicture(
-        name,
-        title,
+    from rollbench.meshes.ball_body import contact_frame_vectors
+
+    m, settings, ball = solution.setup.groove_map, solution.setup.mesh_settings, f"ball {solution.ball_index + 1}"
+    up, along = np.array([1.0, 0.0, 0.0]), np.array([0.0, np.cos(m.alpha), np.sin(m.alpha)])
+    centre, normal = m.R * up, contact_frame_vectors(m, 0)[0]
+    point = centre + m.ball * normal
+    picture = partial(content.FieldPicture, up=up, scale_bar=1e-3)
+    section = picture(
+        "mesh-section",
+        f"Mesh around {ball} in the cross-section of the groove",
         _mesh_parts_around_ball(stresses, colour_by_stress=False),
-        sight=tuple(y3),
-        up=tuple(x3),
-        focus=tuple(focus),
-        height=height,
-        cuts=((tuple(focus + BESIDE * y3), tuple(y3)),),
+        sight=along,
+        focus=centre,
+        height=3.3 * m.ball,
+        cuts=((centre + BESIDE * along, along),),
         section=True,
-        words=[(tuple(place), word) for place, word in places] if flank is None else (),
-        scale_bar=1e-3,
-        caption=caption,
+        words=((centre, "ball"), (centre - 1.36 * m.ball * up, "screw"), (centre + 1.40 * m.ball * up, "nut")),
+        caption="Lines: faces of cells cut by the plane. Orange: fine patches of the grooves of screw and nut; green: "
+        "those of the ball.",
     )
-
-
-def groove_mesh_picture(solution: PicturedSolution, stresses: StressFields) -> content.FieldPicture:
-    """Return the picture of the mesh of the screw's groove around a ball's contact with its left flank, seen from the ball.
-
-    ``solution``: solution of the scene. ``stresses``: meshes and stresses around this ball.
-    """
-    x3, y3, _ = groove_unit_vectors(solution)
-    point, b = nominal_contact_point(solution, 0), solution.setup.groove_map.ball
-    normal = point - np.array([solution.setup.groove_map.R, 0.0, 0.0])
-    body, patch = stresses.screw_and_nut[0], stresses.groove_patches[0]
-    parts = _mesh_part(body, STEEL, line=1.8), _mesh_part(patch, FINE, line=1.5)
-    return content.FieldPicture(
+    groove = picture(
         "mesh-contact",
-        f"Mesh of the screw's groove at the contact of ball {solution.ball_index + 1}",
-        parts,
-        sight=tuple(-normal / b + 0.25 * y3),
-        up=tuple(x3),
-        focus=tuple(point),
-        height=1.6 * b,
-        scale_bar=1e-3,
+        f"Mesh of the screw's groove at the contact of {ball}",
+        (_mesh_part(stresses.screw_and_nut[0], STEEL, line=1.8), _mesh_part(stresses.groove_patches[0], FINE, line=1.5)),
+        sight=-normal + 0.25 * along,
+        focus=point,
+        height=1.6 * m.ball,
         caption="Seen from the ball. Cells are smallest in the middle of the fine patch, where contact may occur: "
-        f"{MM * solution.setup.mesh_settings.semi[1] / solution.setup.mesh_settings.b_over_h:.2f} mm "
-        "long along the groove.",
+        f"{MM * settings.semi[1] / settings.b_over_h:.2f} mm long along the groove.",
     )
-
-
-def ball_mesh_picture(solution: PicturedSolution, stresses: StressFields) -> content.FieldPicture:
-    """Return the picture of the mesh of a ball with a fine patch at each contact; the contact with the screw is in front.
-
-    ``solution``: solution of the scene. ``stresses``: meshes and stresses around the ball.
-    """
-    x3, y3, _ = groove_unit_vectors(solution)
-    m = solution.setup.groove_map
-    centre = np.array([m.R, 0.0, 0.0])
     coloured = [(stresses.ball_mesh, BALL), *((patch, FINE_BALL) for patch in stresses.ball_patches.values())]
-    parts = [_mesh_part(x, colour, line=1.5) for x, colour in coloured]
-    sight = (nominal_contact_point(solution, 0) - centre) / m.ball + 0.75 * y3
-    return content.FieldPicture(
+    whole_ball = picture(
         "mesh-ball",
         "Mesh of a ball with fine patches at its contacts",
-        parts,
-        sight=tuple(sight),
-        up=tuple(x3),
-        focus=tuple(centre),
+        [_mesh_part(x, colour, line=1.5) for x, colour in coloured],
+        sight=normal + 0.75 * along,
+        focus=centre,
         height=2.2 * m.ball,
-        scale_bar=1e-3,
-        caption=(
-            f"{len(stresses.ball_mesh.cell_nodes)} second-order tetrahedra and a patch of "
-            f"{len(stresses.ball_patches[0].cell_nodes)} second-order hexahedra at each contact. Every "
-            "node in the contact zone lies opposite a node of the groove."
-        ),
+        caption=f"{len(stresses.ball_mesh.cell_nodes)} second-order tetrahedra and a patch of "
+        f"{len(stresses.ball_patches[0].cell_nodes)} second-order hexahedra at each contact. Every node in the contact "
+        "zone lies opposite a node of the groove.",
     )
+    stressed = replace(
+        section,
+        name="stress-section",
+        title=f"Von Mises stress around {ball} in the cross-section of the groove",
+        parts=_mesh_parts_around_ball(stresses, colour_by_stress=True),
+        label="von Mises stress [MPa]",
+        limits=(2.0, 2000.0),
+        log=True,
+        words=(),
+        caption="Linear elastic; logarithmic colour scale. Screw and nut carry the contact loads of all balls; the screw "
+        f"is fixed at the lower end of its 3D section, the nut at its {solution.setup.solid_dimensions.nut_held}.",
+    )
+    near = replace(
+        stressed,
+        name="stress-contact",
+        title=f"Von Mises stress at the contact of {ball} with the screw",
+        caption=von_mises_caption(solution, stresses),
+        limits=(0.0, 1800.0),
+        log=False,
+        focus=point,
+        cuts=((point + BESIDE * along, along),),
+        height=0.5 * m.ball,
+        scale_bar=0.2e-3,
+    )
+    return section, groove, whole_ball, stressed, near
 
 
 def solve_ball_contact_pressures(cache: SceneResultCache, name: str) -> tuple[int, dict[str, ContactPressure]]:
@@ -523,8 +484,6 @@ def make_section(cache: SceneResultCache, step: Step) -> content.Section:
     from rollbench.reports.field3d import drawn_picture
 
     solved = solve_scene_for_pictures(cache, step)
-    found = compute_stress_fields(solved, step)
-    ball, b = f"ball {solved.ball_index + 1}", solved.setup.groove_map.ball
     step(f"pressures of a ball of {SCENE}, mesh level {FINE_LEVEL}")
     ball2, two = solve_ball_contact_pressures(cache, SCENE)
     step(f"pressures of a ball of {FOUR}, mesh level {FINE_LEVEL}")
@@ -534,36 +493,16 @@ def make_section(cache: SceneResultCache, step: Step) -> content.Section:
         f"which single cells can be seen; contact pressures are shown on level {FINE_LEVEL}. Sections lie in the plane of "
         "the groove's cross-section, with the radial direction upwards and the screw axis to the right."
     )
-    mesh = (
-        "Lines: faces of cells cut by the plane. Orange: fine patches of the grooves of screw and nut; green: those of the "
-        "ball."
-    )
     pressure = (
         f"Mesh level {FINE_LEVEL}; dots: nodes. Pressure: nodal force over tributary area. Ellipse: Hertz theory for the "
         "same load. The pressures are from a separate computation of this ball: its contact loads in the 3D reference "
         "press it between patches of both grooves, which are held where they join screw and nut."
     )
-    stress = (
-        "Linear elastic; logarithmic colour scale. Screw and nut carry the contact loads of all balls; the screw is fixed "
-        f"at the lower end of its 3D section, the nut at its {solved.setup.solid_dimensions.nut_held}."
-    )
-    title = f"Mesh around {ball} in the cross-section of the groove"
-    whole = groove_section_picture(solved, found, "mesh-section", title, mesh, height=3.3 * b)
-    stressed = _mesh_parts_around_ball(found, colour_by_stress=True)
-    shown = replace(whole, parts=stressed, label="von Mises stress [MPa]", words=())
-    title = f"Von Mises stress around {ball} in the cross-section of the groove"
-    around = replace(shown, name="stress-section", title=title, caption=stress, limits=(2.0, 2000.0), log=True)
-    title = f"Von Mises stress at the contact of {ball} with the screw"
-    near = groove_section_picture(
-        solved, found, "stress-contact", title, von_mises_caption(solved, found), flank=0, height=0.5 * b
-    )
-    near = replace(near, parts=stressed, label=shown.label, limits=(0.0, 1800.0), scale_bar=0.2e-3)
+    *meshes, stressed, near = pictures_around_ball(solved, compute_stress_fields(solved, step))
     items: tuple[content.Item, ...] = (
         content.Text((text,)),
         screw_and_nut_mesh_picture(solved),
-        whole,
-        groove_mesh_picture(solved, found),
-        ball_mesh_picture(solved, found),
+        *meshes,
         pressure_map_of_ball(
             "pressure-two", f"Contact pressure on both contacts of ball {ball2 + 1} of {SCENE}", two, pressure
         ),
@@ -575,7 +514,7 @@ def make_section(cache: SceneResultCache, step: Step) -> content.Section:
             f"Mesh level {FINE_LEVEL}. Pressure: nodal force over tributary area. Ellipse: Hertz theory, same load.",
         ),
         largest_pressure_table({SCENE: two, FOUR: four}),
-        around,
+        stressed,
         near,
         contact_load_picture(solved),
     )
