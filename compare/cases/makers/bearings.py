@@ -197,9 +197,8 @@ def compare_nsk_ball_bearings() -> Iterator[outside.PublishedValue]:
     dynamic, static = (1e3 * column_values(key)[:, 0] for key in ("Cr_kN", "C0r_kN"))
     ratings = zip(dynamic, static, pitch, angle, strict=True)
     count, ball = np.array([ball_count_and_diameter_from_ratings(*of) for of in ratings]).T
-    begin = angular_contact.bearing_with_contact_angle(
-        np.round(count), ball, pitch, (CONFORMITY,) * 2, angle, YOUNG, POISSON
-    )
+    grooves = (CONFORMITY,) * 2
+    begin = angular_contact.bearing_with_contact_angle(np.round(count), ball, pitch, grooves, angle, YOUNG, POISSON)
     forces, rigid, load = column_values("preload_N"), column_values("rigidity_N_per_um"), column_values("measuring_load_N")
     step = np.array([makers.half_step_of_last_digit(rows[-1]["rigidity_N_per_um"]) for rows in bearings])
     moved, stiff = [], []
@@ -265,9 +264,8 @@ def compare_snfa_pair_rigidities() -> Iterator[outside.PublishedValue]:
 
     pitch, angle = [_mean_of_bore_and_outer_diameter(row) for row in source.rows], np.radians(column_values("angle_deg"))
     balls, size = column_values("balls"), column_values("ball_diameter_mm", 1e-3)
-    rows = angular_contact.bearing_with_contact_angle(
-        balls, size, np.array(pitch), (CONFORMITY,) * 2, angle, YOUNG, POISSON
-    )
+    grooves = (CONFORMITY,) * 2
+    rows = angular_contact.bearing_with_contact_angle(balls, size, np.array(pitch), grooves, angle, YOUNG, POISSON)
     stiff = 2e-7 * angular_contact.bearing_states_under_thrust(rows, column_values("preload_daN", 10.0)).stiffness
     for row, found in zip(source.rows, stiff, strict=True):
         item = f"{row['bearing']} {row['angle_deg']} deg {row['preload_class']}"

@@ -50,9 +50,8 @@ def scene_of_part(part: makers.CataloguePart) -> Scene:
 
 def displacement(scene: Scene, force: float) -> float:
     """Return the axial displacement [m] of a nut without preload, by contacts and tubes; ``force``: axial load [N]."""
-    return rigidity.displacement_by_contacts_only(scene, force) + force * (
-        rigidity.axial_compliance_of_bodies(scene) or 0.0
-    )
+    bodies = rigidity.axial_compliance_of_bodies(scene) or 0.0
+    return rigidity.displacement_by_contacts_only(scene, force) + force * bodies
 
 
 def computed_rigidity(part: makers.CataloguePart, scene: Scene, dynamic: float) -> float | None:
@@ -149,12 +148,8 @@ def catalogue_ratios_figure() -> Figure:
     """Draw computed over printed C, C_0 and K of every nut, with a line of points for each maker."""
     groups, series = _ratios_by_group(), []
     for key, shift in zip(QUANTITIES, (-0.22, 0.0, 0.22), strict=True):
-        at = [
-            (x, row + shift)
-            for row, found in enumerate(groups.values(), 1)
-            for one in found
-            if (x := one.ratios[key]) is not None
-        ]
+        each = [(one.ratios[key], row) for row, found in enumerate(groups.values(), 1) for one in found]
+        at = [(x, row + shift) for x, row in each if x is not None]
         series.append(Series(key, [x for x, _ in at], [y for _, y in at], "markers"))
     ends = [0.4, len(groups) + 0.6]
     series += [Series("", [limit, limit], ends, "line", pale=True) for limit in USUAL]

@@ -86,14 +86,11 @@ def scene_of_one_loaded_turn(nut: CatalogueNut, conformity: float) -> Scene:
     one, groove = _shipped_40x10_screw(), conformity * nut.ball_diameter
     balls = max(1, round(nut.touching_balls_per_turn))
     nut_diameter = nut.pitch_diameter + (1.0 + 2.0 * WALL) * nut.ball_diameter
+    screw_diameter, path = nut.pitch_diameter - 2.0 * BEYOND * nut.ball_diameter, 0.5 * nut.pitch_diameter
     return replace(
         one,
-        track=replace(
-            one.track, pitch_radius=0.5 * nut.pitch_diameter, lead=nut.lead, contact_angle=radians(ANGLE), starts=1
-        ),
-        screw=replace(
-            one.screw, groove_radius=groove, outer_diameter=nut.pitch_diameter - 2.0 * BEYOND * nut.ball_diameter, bore=0.0
-        ),
+        track=replace(one.track, pitch_radius=path, lead=nut.lead, contact_angle=radians(ANGLE), starts=1),
+        screw=replace(one.screw, groove_radius=groove, outer_diameter=screw_diameter, bore=0.0),
         nut=replace(one.nut, groove_radius=groove, outer_diameter=nut_diameter),
         balls=replace(one.balls, radius=0.5 * nut.ball_diameter, azimuths=tuple(2.0 * pi * np.arange(balls) / balls)),
     )
@@ -177,12 +174,10 @@ def compare_nut_ratings() -> Iterator[outside.PublishedValue]:
                 yield outside.value_of_table_entry(source, row, "line", key, what, band, maker=maker)
 
 
-def filled_fraction_from_static_rating(nut: CatalogueNut, static: float) -> float:
-    """Return the fraction of a nut's turns that is filled with balls, as implied by its static rating and ISO 3408-5.
-
-    ``static``: static rating C_0 that the maker prints [N].
-    """
-    return static / nut_load_ratings(nut, CONFORMITY, 1.0)[1]
+def secant_rigidity(nut: CatalogueNut, conformity: float, filled_fraction: float, load: float, preload: float) -> float:
+    """Return the axial rigidity [N/m] of a nut with elastic bodies between ``preload`` and ``load`` [N]."""
+    start = nut_displacement(nut, conformity, filled_fraction, preload) if preload else 0.0
+    return load / (nut_displacement(nut, conformity, filled_fraction, load) - start)
 
 
 def compare_nut_rigidity() -> Iterator[outside.PublishedValue]:
@@ -199,27 +194,13 @@ def compare_nut_rigidity() -> Iterator[outside.PublishedValue]:
                 continue
             nut, unit = nut_of_catalogue_row(source, row), source.unit_factor("load_unit")
             load = LOADED * source.parse_number(row["C"]) * unit
-            share = filled_fraction_from_static_rating(nut, source.parse_number(row["C0"]) * unit)
+            share = source.parse_number(row["C0"]) * unit / nut_load_ratings(nut, CONFORMITY, 1.0)[1]  # of balls, by C_0
             preload = PRELOADED / LOADED * load if row["type"] in source.header.get("preloaded", "-").split(", ") else 0.0
-
-            def secant_rigidity(
-                conformity: float,
-                filled_fraction: float,
-                nut: CatalogueNut = nut,
-                load: float = load,
-                start_load: float = preload,
-            ) -> float:
-                """Return the secant rigidity [N/m] of a nut: ``load`` over the displacement between ``start_load`` and it.
-
-                Both are axial loads [N]. ``conformity``: groove radius over ball diameter; ``filled_fraction``: fraction of
-                the turns that is filled with balls; ``nut``: dimensions of the nut.
-                """
-                start = nut_displacement(nut, conformity, filled_fraction, start_load) if start_load else 0.0
-                return load / (nut_displacement(nut, conformity, filled_fraction, load) - start)
 
             stiff = source.unit_factor("rigidity_unit")
             corners = [(CONFORMITY, share)] + [(c, x * share) for c in CONFORMITIES for x in (0.95, 1.05)]
-            band = outside.ComputedBand.from_values(secant_rigidity(*corner) / stiff for corner in corners)
+            rigidities = [secant_rigidity(nut, *corner, load, preload) / stiff for corner in corners]
+            band = outside.ComputedBand.from_values(rigidities)
             what = ("rigidity", "contacts and tubes under 0.3 C", row["nut"], source.header["rigidity_unit"])
             maker, practice = maker_and_rated_nut_type(source, row), PRACTICE * band.value
             yield outside.value_of_table_entry(source, row, "line", "rigidity", what, band, maker=maker, practice=practice)

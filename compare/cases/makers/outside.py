@@ -75,9 +75,8 @@ class PublishedValue:
     @property
     def group(self) -> str:
         """Name of the group that shares a row of the summary table: the maker, or "programs and textbooks"."""
-        return (
-            self.maker if self.law != "the model of its table" or self.kind_of_source == MAKER else "programs and textbooks"
-        )
+        named = self.law != "the model of its table" or self.kind_of_source == MAKER
+        return self.maker if named else "programs and textbooks"
 
     @property
     def verdict(self) -> str:
@@ -270,9 +269,8 @@ def published_values_of_external_case(cache: SceneResultCache) -> Iterator[Publi
                 continue
             patch = "contact patch" if name == "external-contact" and not p.unit else QUANTITIES[p.unit]
             quantity = OTHERS.get((name, p.key), patch)
-            rounding = (
-                p.tolerance if p.entry_class == "hard" else max(p.value - (p.low or p.value), (p.high or p.value) - p.value)
-            )
+            band = max(p.value - (p.low or p.value), (p.high or p.value) - p.value)
+            rounding = p.tolerance if p.entry_class == "hard" else band
             yield PublishedValue(
                 quantity,
                 "the model of its table",
@@ -311,12 +309,6 @@ def contact_loads_by_calculix(cache: SceneResultCache) -> Iterator[PublishedValu
         for row in compare_contact_loads(data, ours):
             off = 0.01 * row["ours_percent"] * mean
             words = ("contact load", "3D reference", "CalculiX", f"{name}: ball {row['ball']} {row['side']}", PROGRAM)
-            value = (
-                row["theirs"],
-                0.01 * row["theirs_percent"] * mean,
-                ComputedBand.from_values((row["ours"],), off),
-                mean,
-            )
-            yield PublishedValue(
-                *words, f"stored run, compare/studies/crosscheck/{path_of_calculix_results(folder, name).name}", "N", *value
-            )
+            file = f"stored run, compare/studies/crosscheck/{path_of_calculix_results(folder, name).name}"
+            band = ComputedBand.from_values((row["ours"],), off)
+            yield PublishedValue(*words, file, "N", row["theirs"], 0.01 * row["theirs_percent"] * mean, band, mean)

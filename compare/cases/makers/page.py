@@ -64,10 +64,8 @@ def _error_statistics_of_quantity(
     ``found``: published values with the computed ones; ``quantity``: name of the quantity, such as "rigidity";
     ``model_prefix``, ``maker_prefix``: first characters of the names of the models and makers that count; empty: all.
     """
-    values = [
-        x for x in found if x.quantity == quantity and x.law.startswith(model_prefix) and x.maker.startswith(maker_prefix)
-    ]
-    result = outside.error_statistics(values)
+    of_law = [x for x in found if x.law.startswith(model_prefix) and x.maker.startswith(maker_prefix)]
+    result = outside.error_statistics([x for x in of_law if x.quantity == quantity])
     assert result is not None
     return result
 
@@ -88,19 +86,15 @@ def band_and_errors_conclusion(found: Sequence[outside.PublishedValue]) -> str:
     judged = [x for x in found if not x.left]
     clear = _error_statistics_of_quantity(found, "displacement", "bearing whose angle turns")
     off = _clearance_errors_um(found)
-    sets = [
-        _error_statistics_of_quantity(found, quantity, "sets and preloads", "NSK")
-        for quantity in ("preload", "rigidity", "torque")
-    ]
+    quantities = "preload", "rigidity", "torque"
+    sets = [_error_statistics_of_quantity(found, quantity, "sets and preloads", "NSK") for quantity in quantities]
     within = sum(x.verdict == "in the band" for x in judged)
+    each = ", ".join(f"{s['bias_f1']:+.1f} and {s['scatter_f1']:.1f} %" for s in sets)
     return (
-        (
-            f"Of {len(judged)} values published by makers, from measurements and by other programs, {within} lie within "
-            "their computed ranges, which cover rounded and unprinted inputs. Where no input is unknown, both agree: bias "
-            "and scatter of preload, rigidity and starting torque of NSK's sets are "
-        )
-        + ", ".join(f"{s['bias_f1']:+.1f} and {s['scatter_f1']:.1f} %" for s in sets)
-        + f", and {clear['published_values']} axial clearances agree to {np.sqrt((off**2).mean()):.2f} um RMS."
+        f"Of {len(judged)} values published by makers, from measurements and by other programs, {within} lie within "
+        "their computed ranges, which cover rounded and unprinted inputs. Where no input is unknown, both agree: bias "
+        f"and scatter of preload, rigidity and starting torque of NSK's sets are {each}, and {clear['published_values']} "
+        f"axial clearances agree to {np.sqrt((off**2).mean()):.2f} um RMS."
     )
 
 
@@ -163,9 +157,8 @@ def loaded_balls_text(found: Sequence[outside.PublishedValue]) -> str:
         for name, pairs in shares.items()
     )
     rex = [x for x in found if x.maker == "Rexroth" and x.quantity == "rating"]
-    high = [
-        float(np.median([x.computed.value / x.value for x in rex if x.part.endswith(f" {key}")])) for key in ("C", "C0")
-    ]
+    ratios = ([x.computed.value / x.value for x in rex if x.part.endswith(f" {key}")] for key in ("C", "C0"))
+    high = [float(np.median(of_rating)) for of_rating in ratios]
     return (
         "C and C_0 of a nut, two different formulas, give the same fraction of the balls that touch: "
         f"{words}. A nut with one deflector per turn is rated with two thirds of a turn. Rexroth's C is that "
@@ -236,9 +229,8 @@ def sorted_errors_figure(found: Sequence[outside.PublishedValue]) -> Figure:
     ``found``: published values with the computed ones.
     """
     series = []
-    for (quantity,), values in outside.group_by_fields(
-        [x for x in found if not x.left and not x.scale], "quantity"
-    ).items():
+    judged = outside.group_by_fields([x for x in found if not x.left and not x.scale], "quantity")
+    for (quantity,), values in judged.items():
         if len(values) > 20:
             x = [float(k + 1) / len(values) for k in range(len(values))]
             series.append(Series(quantity, x, sorted(v.error_percent for v in values), "line"))

@@ -65,10 +65,8 @@ def hertz_parameters_figure() -> Figure:
         rows = (row for row in load_printed_table("smith-table-2-1") if row.key.startswith(f"{key}_"))
         values = [row.value for row in rows if row.value]
         if key != "a":
-            curves += [
-                Series(f"{label}, exact", at.tolist(), exact[:, column].tolist(), "line"),
-                Series(f"{label}, printed", differences, values, "markers"),
-            ]
+            curves.append(Series(f"{label}, exact", at.tolist(), exact[:, column].tolist(), "line"))
+            curves.append(Series(f"{label}, printed", differences, values, "markers"))
         errors = error_percent(np.array(values), right[:, column]).tolist()
         off.append(Series(f"{label}, table", differences, errors, "markers"))
         if key != "b":
@@ -173,17 +171,8 @@ def bearing_row_loads_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
             at = list(range(1, len(rows) + 1))
             series.append(Series(f"{state}, computed", at, [f.value or 0.0 for f in rows], "line+markers"))
             series.append(Series(f"{state}, printed", at, [f.printed.value or 0.0 for f in rows], "markers", bold=True))
-        panels.append(
-            Panel(
-                f"loads of the {words}",
-                "end of the screw and number of the row",
-                "load / lbf",
-                series,
-                include_zero=True,
-                integer_x=True,
-                abscissa_names=names,
-            )
-        )
+        axes = "end of the screw and number of the row", "load / lbf"
+        panels.append(Panel(f"loads of the {words}", *axes, series, "", True, True, names))
     caption = (
         "Preload: bearings alone; stretch: screw stretched as well; applied: also 1000 lbf on the carriage towards the "
         "left. Smith does not solve for equilibrium: at each end he adds half of the tension and of this load to the rows "
@@ -298,15 +287,10 @@ def tapered_roller_table_and_figure(cache: SceneResultCache) -> tuple[Table | Fi
         Panel("largest contact pressure", x, "MPa", pressures, include_zero=True),
     )
     caption = f"One roller under {roller.largest_load:.4g} N. Load and pressure are even, except at the rounded ends."
-    table = Table.from_rows(
-        "smith-roller-3d",
-        "Deflection and pressure of a tapered roller between its races: in 3D, and by load-deflection laws",
-        rows,
-        note,
-    )
-    return table, Figure(
-        "smith-roller-along", "Line load and contact pressure along a tapered roller in 3D", panels, caption
-    )
+    title = "Deflection and pressure of a tapered roller between its races: in 3D, and by load-deflection laws"
+    table = Table.from_rows("smith-roller-3d", title, rows, note)
+    title = "Line load and contact pressure along a tapered roller in 3D"
+    return table, Figure("smith-roller-along", title, panels, caption)
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[Section, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -43,17 +44,10 @@ def exact_hertz_parameters(scene: Scene) -> dict[str, dict[str, float]]:
     for letter, side in (("S", 0), ("N", 3)):
         across, along = principal_curvatures(bare, drawn, side, gamma)[0]
         r2, r1 = 1.0 / (1.0 / scene.balls.radius + across), 1.0 / (1.0 / scene.balls.radius + along)
-        out[letter] = {
-            "e": float(constants.eccentricity[side]),
-            "C": float(constants.C[side]),
-            "C_a": float(constants.C_a[side]),
-            "C_b": float(constants.C_b[side]),
-            "rho1": float(1.0 / across),
-            "rho2": float(1.0 / along),
-            "R1": float(r1),
-            "R2": float(r2),
-            "rho_eq": float(np.sqrt(r1 * r2)),
-        }
+        out[letter] = {"e": float(constants.eccentricity[side])}
+        out[letter] |= {name: float(getattr(constants, name)[side]) for name in ("C", "C_a", "C_b")}
+        radii = {"rho1": 1.0 / across, "rho2": 1.0 / along, "R1": r1, "R2": r2, "rho_eq": np.sqrt(r1 * r2)}
+        out[letter] |= {name: float(radius) for name, radius in radii.items()}
     return out
 
 
@@ -92,10 +86,8 @@ def table_b_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     gives the scenes included with rollbench.
     """
     scene = cache.built_in_scene("lin-case1")
-    right, faulty = (
-        correct_values_of_table_b_1(scene),
-        dict(zip("SN", misprinted_hertz_of_flanks(with_conformity(scene, TABLE_CONFORMITY)), strict=True)),
-    )
+    misprinted = misprinted_hertz_of_flanks(with_conformity(scene, TABLE_CONFORMITY))
+    right, faulty = correct_values_of_table_b_1(scene), dict(zip("SN", misprinted, strict=True))
     for letter, printed in faulty.items():
         for start, (attribute, _, unit) in QUANTITIES.items():
             key = f"{start}{letter}"
@@ -191,11 +183,8 @@ def load_ratio_range_in_words(cache: SceneResultCache) -> str:
     The modelling choices are the partition of the beam into elements, and whether equation C.8 for the beam's section is
     read with a square root. ``cache``: gives the solved scenes.
     """
-    variants = [
-        cache.scene_with_options("lin-case1", partition=p, section=s)
-        for p in ("nodal", "source")
-        for s in ("groove", "groove squared")
-    ]
+    choices = product(("nodal", "source"), ("groove", "groove squared"))
+    variants = [cache.scene_with_options("lin-case1", partition=p, section=s) for p, s in choices]
     ratios = [load_ratio(cache.solve_once(v).load[:, 0]) for v in variants]
     return f"{min(ratios):.4f} to {max(ratios):.4f} with the beam's partition and the reading of C.8"
 
@@ -210,12 +199,12 @@ def section_2_4_1(findings: ComputedEntryValues, cache: SceneResultCache) -> Non
     _compute_case_2(cache, findings)
     _compute_case_3(cache, findings)
     _compare_with_ansys(cache, findings)
-    findings.add_number(
-        "elements", float(lin_beam_element_count(cache)), follows=printed_value("lin-2.2", "elements_proposed")
+    elements, ansys, ours = (
+        printed_value("lin-2.2", f"{k}") for k in ("elements_proposed", "time_ansys_1", "time_proposed_1")
     )
-    times = {k: printed_value("lin-2.2", k) for k in ("time_ansys_1", "time_proposed_1")}
+    findings.add_number("elements", float(lin_beam_element_count(cache)), follows=elements)
     words = "arithmetic of Table 2.2, case 1; run times of this project stand in table lin-2.2-times"
-    findings.add_number("speed_ratio", None, words, follows=times["time_ansys_1"] * 3600.0 / times["time_proposed_1"])
+    findings.add_number("speed_ratio", None, words, follows=ansys * 3600.0 / ours)
 
 
 def _compute_case_1(cache: SceneResultCache, findings: ComputedEntryValues) -> None:

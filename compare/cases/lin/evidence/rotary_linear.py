@@ -137,9 +137,8 @@ def increase_between_cases(first: bearing.BearingBallSolution, raised: bearing.B
 
 
 #: Name of the 3D model's result and factor to the table's unit, by key of Table 3.2.
-IN_3D = {"P_IL": ("loss IL mW", 1e-3), "P_IR": ("loss IR mW", 1e-3), "P_OL": ("loss OL mW", 1e-3)}
-IN_3D |= {"P_OR": ("loss OR mW", 1e-3), "torque": ("torque N mm", 1.0), "omega_B": ("orbit rad/s", 1.0)}
-IN_3D |= {"omega_x": ("omega x rad/s", 1.0), "omega_y": ("omega y rad/s", 1.0)}
+IN_3D = {f"P_{side}": (f"loss {side} mW", 1e-3) for side in bearing.SIDES} | {"torque": ("torque N mm", 1.0)}
+IN_3D |= {f"omega_{axis}": (f"{name} rad/s", 1.0) for axis, name in (("B", "orbit"), ("x", "omega x"), ("y", "omega y"))}
 
 
 def table_3_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
@@ -375,7 +374,6 @@ def linear_pair_sensitivity_rows() -> Iterator[Row]:
     printed = printed_entry("lin-3.5", "a_force_numerical")
     for loads, mu in product(LOADS, (0.1, 0.0)):
         r, worst = solve_linear_ball_pair(loads=loads, mu_balls=mu), solve_linear_ball_pair(WORST, loads, mu_balls=mu)
-        increase = float(error_percent(worst.touching.loss, worst.apart.loss))
         eps = [100.0 * float(x) for x in r.velocity_deviation]
         force_error = float(error_percent(r.ball_to_ball_force, printed.value or 0.0))
         yield {
@@ -386,6 +384,6 @@ def linear_pair_sensitivity_rows() -> Iterator[Row]:
             ("ball_force_at", "2"): r.ball_to_ball_force,
             ("ball_force_error", printed.number_as_printed): force_error,
             "loss_ratio_3_deg": 100.0 * worst.groove_and_ball_loss_ratio,
-            ("loss_increase_at", "3"): increase,
+            ("loss_increase_at", "3"): float(error_percent(worst.touching.loss, worst.apart.loss)),
             "status": "converged" if r.touching.converged else "not converged",
         }

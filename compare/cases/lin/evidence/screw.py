@@ -190,11 +190,9 @@ def table_3_7(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
         _compare_force_with_ansys(findings, cache, case)
         findings.add_remark(f"time_{case}", "another machine and language")
         findings.add_remark(f"time_ansys_{case}", "another machine and program")
-    printed = [
-        printed_value("lin-3.5", "error_numerical"),
-        *(printed_value("lin-3.7", f"difference_{case}") for case in THETA),
-    ]
-    findings.add_number("within", None, "the largest of the printed differences", follows=max(printed))
+    printed = [printed_value("lin-3.7", f"difference_{case}") for case in THETA]
+    largest = max(printed_value("lin-3.5", "error_numerical"), *printed)
+    findings.add_number("within", None, "the largest of the printed differences", follows=largest)
 
 
 def _compute_force_and_increase(findings: ComputedEntryValues, case: str, results_in_3d: Mapping[str, float]) -> None:
@@ -231,8 +229,7 @@ def _compare_force_with_ansys(findings: ComputedEntryValues, cache: SceneResultC
     scenes = source_cases.PAIR_SCENES[case], f"{source_cases.PAIR_SCENES[case]}-inferred"
     as_text, oversized = (source_cases.stored_3d_results(cache, scene).get("force 1-2 N") for scene in scenes)
     words = "no stored run" if as_text is None or oversized is None else _both_values_in_words(as_text, oversized)
-    words = f"3D rolling of elastic half spaces: {words}"
-    findings.add_number(f"ansys_{case}", None, words, reference=as_text)
+    findings.add_number(f"ansys_{case}", None, f"3D rolling of elastic half spaces: {words}", reference=as_text)
 
 
 def _both_values_in_words(as_text: float, with_oversize: float) -> str:
@@ -278,15 +275,8 @@ def section_3_4_4(findings: ComputedEntryValues, cache: SceneResultCache) -> Non
     ``cache``: not used here.
     """
     base = source_cases.simulation_inputs()
-    inputs = {
-        "balls": base.count,
-        "turns": base.turns,
-        "force": base.force[0],
-        "duration": base.duration,
-        "steps": base.steps,
-        "occupation": 100.0 * base.track_occupation,
-    }
-    findings.numbers(inputs)
+    findings.numbers({"balls": base.count, "turns": base.turns, "force": base.force[0]})
+    findings.numbers({"duration": base.duration, "steps": base.steps, "occupation": 100.0 * base.track_occupation})
     _compute_ball_contact_torque(findings)
     _check_simulation_claims(findings)
 
@@ -305,14 +295,8 @@ def _compute_ball_contact_torque(findings: ComputedEntryValues) -> None:
     )
     near = {key: f"; {nearest_in_words(key)}" for key in PRINTED_OF_RUN}
     findings.add_number("largest", 100.0 * high.largest_ball_to_groove_ratio, words + near["largest"])
-    findings.add_number(
-        "largest_at",
-        high.nut_angle_of_largest_ratio,
-        assumed.format(f"{low.nut_angle_of_largest_ratio:.0f}°") + near["largest_at"],
-    )
-    findings.add_number(
-        "none_at", high.nut_angle_without_contact, assumed.format(f"{low.nut_angle_without_contact:.0f}°") + near["none_at"]
-    )
+    for key, angle in (("largest_at", "nut_angle_of_largest_ratio"), ("none_at", "nut_angle_without_contact")):
+        findings.add_number(key, getattr(high, angle), assumed.format(f"{getattr(low, angle):.0f}°") + near[key])
 
 
 def _check_simulation_claims(findings: ComputedEntryValues) -> None:
@@ -353,11 +337,8 @@ def table_4_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
         "speed": g.screw_speed / (2.0 * np.pi),
     }
     for key, case in (("4p", four), ("dr", double)):
-        values |= {
-            f"ball_{key}": 1e3 * case.groove.ball_radius,
-            f"groove_{key}": 1e3 * case.groove.groove_radius,
-            f"balls_{key}": case.count,
-        }
+        values |= {f"ball_{key}": 1e3 * case.groove.ball_radius, f"groove_{key}": 1e3 * case.groove.groove_radius}
+        values[f"balls_{key}"] = case.count
     findings.numbers(values)
     _record_youngs_modulus(findings, g.young)
     apart = 2e3 * (double.rows[1].place - double.rows[0].place)
@@ -391,11 +372,8 @@ def _compute_bearing_torques(findings: ComputedEntryValues) -> None:
     the ratios.
     """
     four, double = torque_over_load_angle("4P", True), torque_over_load_angle("DR", True)
-    ratios = (
-        largest_over_smallest_torque(four, 18.0),
-        largest_over_smallest_torque(double, 18.0),
-        largest_over_smallest_torque(torque_over_load_angle("DR", False), 18.0),
-    )
+    found = four, double, torque_over_load_angle("DR", False)
+    ratios = [largest_over_smallest_torque(one, 18.0) for one in found]
     at_18 = int(four.balls_beyond_two_contacts[np.searchsorted(four.angle, radians(18.0) * (1.0 - 1e-12))])
     still = largest_over_smallest_torque(torque_over_load_angle("4P", False), 18.0)
     words = f"load angles of 0 to 18 deg, inner ring free to tilt; {still:.2f} where it cannot tilt"
