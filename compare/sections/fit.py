@@ -94,10 +94,8 @@ def sentences_on_accurate_quantities(rows: Sequence[Row]) -> str:
     the compared scenes. ``rows``: `accuracy_rows`.
     """
     name_of = {words: NAMES[key] for key, words in WORDS.items()}
-    good, bad = (
-        [name_of[str(row["quantity"])] for row in rows if (row["model"], row["accurate_enough"]) == wanted]
-        for wanted in ((DEFAULT, "yes"), ("lin", "no"))
-    )
+    found = [(name_of[row["quantity"]], (row["model"], row["accurate_enough"])) for row in rows]
+    good, bad = ([name for name, of in found if of == wanted] for wanted in ((DEFAULT, "yes"), ("lin", "no")))
     held = " Accurate enough: error within the limit of rollbench check on at least 95 % of the screws and bearings."
     fit = f"is accurate enough for the {_join_with_and(good)}." if good else "is not shown to be accurate enough."
     unfit = f" The model lin is not accurate enough for the {_join_with_and(bad)}." if bad else ""
@@ -138,12 +136,8 @@ def validated_range_table(scene: Scene | None = None) -> Table:
     ring = scene is not None and scene.track.lead == 0.0
     for d in applicability.DESCRIPTORS:
         values = applicability.descriptor_values_of_compared_scenes(d, of_bearings=ring)
-        row: Row = {
-            "parameter_of_scene": d.name,
-            "unit": d.unit or "–",
-            "smallest_value": min(values),
-            "largest_value": max(values),
-        }
+        row: Row = {"parameter_of_scene": d.name, "unit": d.unit or "–"}
+        row |= {"smallest_value": min(values), "largest_value": max(values)}
         if scene is not None and d.name in placed:
             place = placed[d.name]
             inside = place.low <= place.value <= place.high

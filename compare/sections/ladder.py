@@ -106,15 +106,9 @@ def choice_effects_table(cache: SceneResultCache, step: Callable[[str], None]) -
         for label, backend in {"unchanged": REFINED, **CHOICES}.items():
             load = solve_elastic(scene, backend=backend).load
             error = load_error(load, reference.load, reference.contacts)
-            rows.append(
-                {
-                    "scene": name,
-                    "modelling_choice": label,
-                    "largest_change": float(np.abs(error_percent(load, base, mean)).max()),
-                    "largest_load_error_changed": error.max_percent,
-                    "rms_error_changed": error.rms_percent,
-                }
-            )
+            row: Row = {"scene": name, "modelling_choice": label}
+            row["largest_change"] = float(np.abs(error_percent(load, base, mean)).max())
+            rows.append(row | {"largest_load_error_changed": error.max_percent, "rms_error_changed": error.rms_percent})
     note = (
         "The choices of the refined model follow from arguments and are not fitted. The loaded patch is as wide as the "
         "groove (half the distance between the contacts of its two flanks), because a smooth body cannot resolve finer "
@@ -173,17 +167,10 @@ def expected_and_measured_error_items(
         measured, expected = (np.array([row[key] for row in covered], float) for key in ("measured", "expected"))
         held = f"{int((measured <= expected).sum())} of {len(covered)}"
         ratio = expected / np.maximum(measured, 1e-9)
-        lines.append(
-            {
-                "model": model,
-                "screws": str(len(of_model)),
-                "screws_covered": str(len(covered)),
-                "screws_within_prediction": held,
-                "prediction_ratio": float(np.median(ratio)),
-                "predicted_error_median": float(np.median(expected)),
-                "predicted_error_largest": float(expected.max()),
-            }
-        )
+        line: Row = {"model": model, "screws": str(len(of_model)), "screws_covered": str(len(covered))}
+        line |= {"screws_within_prediction": held, "prediction_ratio": float(np.median(ratio))}
+        line |= {"predicted_error_median": float(np.median(expected)), "predicted_error_largest": float(expected.max())}
+        lines.append(line)
         if len(covered) >= MANY:
             ends = [float(min(measured.min(), expected.min())), float(max(measured.max(), expected.max()))]
             series = (

@@ -67,22 +67,19 @@ def load_error_table(cache: SceneResultCache, references: References) -> Table:
         coarser = (run for run in comparison.solutions_of_reference_runs(ref, source) if run.model != finest)
         found += [(LABELS[run.model], run.load, "–") for run in coarser]
         for label, load, printed_errors in (*found, (LABELS[finest], ref.load, None)):
-            e = None if printed_errors is None else load_error(load, ref.load, ref.contacts)
-            rows.append(
-                {
-                    "scene": name,
-                    "model": label,
-                    "largest_load_error": None if e is None else e.max_percent,
-                    "at_largest_error": None if e is None else f"{e.ball} {e.side}",
-                    "rms_error": None if e is None else e.rms_percent,
-                    "largest_load_error_own": None if e is None else e.own_max_percent,
-                    "rms_error_own": None if e is None else e.own_rms_percent,
-                    "lin_errors_against_ansys": printed_errors,
-                    "mesh_uncertainty": uncertainty[0],
-                    "modelling_uncertainty": uncertainty[1],
-                    "load_ratio_on_sl": comparison.load_ratio(load),
-                }
-            )
+            e = load_error(load, ref.load, ref.contacts)
+            errors: Row = {
+                "largest_load_error": e.max_percent,
+                "at_largest_error": f"{e.ball} {e.side}",
+                "rms_error": e.rms_percent,
+                "largest_load_error_own": e.own_max_percent,
+                "rms_error_own": e.own_rms_percent,
+            }
+            row: Row = {"scene": name, "model": label}
+            row |= dict.fromkeys(errors) if printed_errors is None else errors
+            row |= {"lin_errors_against_ansys": printed_errors, "mesh_uncertainty": uncertainty[0]}
+            row |= {"modelling_uncertainty": uncertainty[1], "load_ratio_on_sl": comparison.load_ratio(load)}
+            rows.append(row)
     note = (
         "Errors against the finest mesh level of the 3D reference. Printed by Lin: errors that the thesis prints for its "
         "low-order model against its ANSYS model (whose loads are not printed), relative to the load of each contact. Mesh "
@@ -110,28 +107,21 @@ def contact_load_tables(cache: SceneResultCache, references: References) -> list
     for name, ref in references.items():
         scene = cache.built_in_scene(name)
         answers = [solve_contact_loads(cache, name, m.name) for m in comparison.models_shown_for_scene(scene)]
-        answers += comparison.solutions_of_reference_runs(
-            ref, load_stored_run(scene, SOURCE_LEVEL, stores=cache.reference_folders)
-        )
+        source = load_stored_run(scene, SOURCE_LEVEL, stores=cache.reference_folders)
+        answers += comparison.solutions_of_reference_runs(ref, source)
         labels = [MODELS[a.model].label if a.model in MODELS else LABELS.get(a.model, a.model) for a in answers]
         rows: list[Row] = []
         for i, s in np.ndindex(ref.load.shape):
             if not any(a.load[i, s] > 0.0 for a in answers):
                 continue
             truth, low = float(ref.load[i, s]), answers[0]
-            error = float(error_percent(low.load[i, s], truth)) if truth > 0.0 else None
-            angle, low_angle = (float(x[i, s]) if np.isfinite(x[i, s]) else None for x in (ref.best.angle, low.angle))
-            rows.append(
-                {
-                    "ball": i + 1,
-                    "flank": SIDES[s],
-                    **{("load_of", label): float(a.load[i, s]) for label, a in zip(labels, answers, strict=True)},
-                    "mesh_uncertainty_N": float(ref.uncertainty[i, s]),
-                    "load_error_refined": error,
-                    ("contact_angle_of", "3D reference"): angle,
-                    ("contact_angle_of", "refined model"): low_angle,
-                }
-            )
+            row: Row = {"ball": i + 1, "flank": SIDES[s]}
+            row |= {("load_of", label): float(a.load[i, s]) for label, a in zip(labels, answers, strict=True)}
+            row["mesh_uncertainty_N"] = float(ref.uncertainty[i, s])
+            row["load_error_refined"] = float(error_percent(low.load[i, s], truth)) if truth > 0.0 else None
+            for words, angle in (("3D reference", ref.best.angle), ("refined model", low.angle)):
+                row["contact_angle_of", words] = float(angle[i, s]) if np.isfinite(angle[i, s]) else None
+            rows.append(row)
         title = f"Loads and contact angles of all contacts of {name} by every model"
         out.append(Table.from_rows(f"reference-loads-{name}", title, rows))
     return out
@@ -180,8 +170,8 @@ def contact_load_figures(cache: SceneResultCache, references: References) -> lis
             if not (ref.load[:, s] > 0.0).any() or (s >= 2 and len(ref.best.sides) == 2):
                 continue
             series = [curves.contact_load_curve(f"3D reference, level {ref.best.level}", ref, s, emphasis=True)]
-            ends = (ref.load[:, s] - ref.uncertainty[:, s], ref.load[:, s] + ref.uncertainty[:, s])
-            low, high = map(curves.scale_to_python_floats, ends)
+            bar = ref.uncertainty[:, s]
+            low, high = map(curves.scale_to_python_floats, (ref.load[:, s] - bar, ref.load[:, s] + bar))
             series.insert(0, Series("uncertainty of the 3D reference", series[0].x, low, "band", high))
             series += [curves.contact_load_curve(m.label, a, s) for m, a in answers.items() if (a.load[:, s] > 0.0).any()]
             panels.append(curves.contact_load_panel(SIDES[s], *series))
@@ -255,21 +245,12 @@ def contacts_beyond_check_limit_table(references: References, cache: SceneResult
     for name, ref in references.items():
         for p in comparison.contact_load_errors(ref, cache.solve_once(name, "lin").load):
             if p.exceeds(LIMIT):
-                k, rigid = SIDES.index(p.side), error_against_rigid_nut_reference(cache, name, p.ball, p.side)
                 unknown = "not listed among the known causes: rollbench check fails"
-                cause = causes.get((name, p.ball, p.side), unknown)
-                rows.append(
-                    {
-                        "scene": name,
-                        "ball": p.ball,
-                        "flank": p.side,
-                        ("load_of", "3D reference"): float(ref.load[p.ball - 1, k]),
-                        "load_error_lin": p.error,
-                        "mesh_uncertainty_own": p.uncertainty,
-                        "load_error_rigid_nut": rigid,
-                        "cause": cause,
-                    }
-                )
+                row: Row = {"scene": name, "ball": p.ball, "flank": p.side}
+                row["load_of", "3D reference"] = float(ref.load[p.ball - 1, SIDES.index(p.side)])
+                row |= {"load_error_lin": p.error, "mesh_uncertainty_own": p.uncertainty}
+                row["load_error_rigid_nut"] = error_against_rigid_nut_reference(cache, name, p.ball, p.side)
+                rows.append(row | {"cause": causes.get((name, p.ball, p.side), unknown)})
     note = f"Errors by the rule of rollbench check: {comparison.RULE}."
     title = f"Contacts whose load by Lin's model differs from the 3D reference by more than {LIMIT:g} %"
     return Table.from_rows("reference-exceedances", title, rows, note)
@@ -301,11 +282,8 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         lin_model_check_paragraph(found, cache),
     ]
     if cache.quick:
-        text.insert(
-            0,
-            "QUICK REPORT: only coarse meshes were computed, so the mesh uncertainty is unknown. Do not base decisions on "
-            "these numbers.",
-        )
+        quick = "QUICK REPORT: only coarse meshes were computed, so the mesh uncertainty is unknown. Do not base decisions "
+        text.insert(0, f"{quick}on these numbers.")
     elif any(ref.best.level < PRODUCTION for ref in found.values()):
         text.insert(0, f"Some references were not computed up to mesh level {PRODUCTION}; their uncertainty is larger.")
     over = contacts_beyond_check_limit_table(found, cache)

@@ -206,11 +206,8 @@ def mesh_study_tables_and_figures(cache: SceneResultCache, references: Reference
         if any(x.modelling_spread is not None for x in shown):
             names |= {"value_uncertainty_by_choices": "modelling_spread", "value_change_by_choices": "scene_choices"}
         columns |= {column: [getattr(x, name) for x in shown] for column, name in names.items()}
-        title, note = (
-            f"Contact loads and displacements of {name} on each mesh level",
-            mesh_study.mesh_accuracy_sentence(ref),
-        )
-        out.append(Table(f"mesh-study-{name}", title, columns, note))
+        title = f"Contact loads and displacements of {name} on each mesh level"
+        out.append(Table(f"mesh-study-{name}", title, columns, mesh_study.mesh_accuracy_sentence(ref)))
         sizes = tuple(mesh_study.mesh_levels_of_reference(ref))
         figure = MeshStudy(scene=name, levels=sizes, quantities=tuple(table)).figure()
         if figure is not None:
@@ -237,18 +234,11 @@ def modelling_choice_table(cache: SceneResultCache) -> Table | None:
                 continue
             run = load_stored_run(scene, min(LEVELS), e.variant, cache.reference_folders)
             model = None if run is None else load_error(low.load, run.load)
-            rows.append(
-                {
-                    "scene": name,
-                    "varied_choice": e.choice,
-                    "varied_choice_after": e.label,
-                    "change_kind": KINDS[e.kind],
-                    **_load_change_cells(e.error),
-                    "load_ratio_change": e.ratio if np.isfinite(e.ratio) else None,
-                    "lin_error_with_change": None if model is None else model.max_percent,
-                    "lin_rms_with_change": None if model is None else model.rms_percent,
-                }
-            )
+            row: Row = {"scene": name, "varied_choice": e.choice, "varied_choice_after": e.label}
+            row |= {"change_kind": KINDS[e.kind], **_load_change_cells(e.error)}
+            row["load_ratio_change"] = e.ratio if np.isfinite(e.ratio) else None
+            row["lin_error_with_change"] = None if model is None else model.max_percent
+            rows.append(row | {"lin_rms_with_change": None if model is None else model.rms_percent})
     note = (
         "One choice is changed at a time on mesh level 1; changes are relative to the unchanged scene on the same level. "
         "Only modelling choices are part of the modelling uncertainty. Where the nut is fixed and where the "
@@ -271,19 +261,14 @@ def refined_mesh_setting_table(cache: SceneResultCache) -> Table | None:
     for e in effects_of_changed_choices(scene, cache.reference_folders):
         if not _refines_one_mesh_setting(e.variant):
             continue
-        at = np.unravel_index(int(np.abs(e.change).argmax()), e.change.shape)
-        beyond = int((np.abs(e.change) > grid + 1e-9).sum())
-        rows.append(
-            {
-                "scene": REFINED,
-                "numerical_setting": e.choice,
-                "setting_after": e.label,
-                **_load_change_cells(e.error, "_f3"),
-                "mesh_uncertainty_at_change": float(grid[at]),
-                "largest_mesh_uncertainty": float(grid.max()),
-                "contacts_beyond_uncertainty": beyond,
-            }
-        )
+        change = np.abs(e.change)
+        row: Row = {"scene": REFINED, "numerical_setting": e.choice, "setting_after": e.label}
+        row |= _load_change_cells(e.error, "_f3")
+        row |= {
+            "mesh_uncertainty_at_change": float(grid.flat[change.argmax()]),
+            "largest_mesh_uncertainty": float(grid.max()),
+        }
+        rows.append(row | {"contacts_beyond_uncertainty": int((change > grid + 1e-9).sum())})
     note = (
         "One numerical choice at a time is refined beyond the finest mesh level; changes are relative to the unchanged "
         "scene on the finest level. The mesh uncertainty is the stated one with all its contributions."
@@ -351,17 +336,9 @@ def left_out_effects_table(cache: SceneResultCache, references: References) -> T
         low = cache.solve_once(name, "lin")
         full = load_error(low.load, run.load).max_percent
         for ingredient, loads in run.without.items():
-            e, model = load_error(loads, run.load), load_error(low.load, loads)
-            rows.append(
-                {
-                    "scene": name,
-                    "effect_left_out": ingredient,
-                    "simplification": INGREDIENTS[ingredient],
-                    **_load_change_cells(e),
-                    "lin_error_full_reference": full,
-                    "lin_error_reduced_reference": model.max_percent,
-                }
-            )
+            row: Row = {"scene": name, "effect_left_out": ingredient, "simplification": INGREDIENTS[ingredient]}
+            row |= _load_change_cells(load_error(loads, run.load)) | {"lin_error_full_reference": full}
+            rows.append(row | {"lin_error_reduced_reference": load_error(low.load, loads).max_percent})
     note = "On the coarsest mesh level. Effects that are small compared with the required accuracy can be left out."
     title = "Change of contact loads if one effect is left out of the 3D reference"
     return Table.from_rows("reference-ablation", title, rows, note) if rows else None

@@ -93,11 +93,8 @@ def read_loads_and_scenes_for_tests(store: Path) -> tuple[dict[str, dict[int, Ar
     """
     path = store / JUDGES
     data = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    drawn = {
-        name: scene_file.scene_from_text(record.pop(SCENE), f"{name}.toml")
-        for name, record in data.items()
-        if SCENE in record
-    }
+    texts = {name: record.pop(SCENE) for name, record in data.items() if SCENE in record}
+    drawn = {name: scene_file.scene_from_text(text, f"{name}.toml") for name, text in texts.items()}
     return {name: {int(k): np.array(rows, float) for k, rows in by_level.items()} for name, by_level in data.items()}, drawn
 
 
@@ -108,13 +105,11 @@ def loads_by_scene_and_level(cache: SceneResultCache) -> dict[str, dict[int, Arr
     """
     out, extra = {}, dict(read_loads_and_scenes_for_tests(shipped_store())[0])
     for name in SHIPPED:
-        runs = [
-            run
-            for k in LEVELS
-            if (run := load_stored_run(cache.built_in_scene(name), k, stores=cache.reference_folders)) is not None
-        ]
-        if len(runs) > 1:
-            out[name] = {run.level: run.load for run in runs} | extra.pop(name, {})
+        scene = cache.built_in_scene(name)
+        runs = (load_stored_run(scene, level, stores=cache.reference_folders) for level in LEVELS)
+        loads = {run.level: run.load for run in runs if run is not None}
+        if len(loads) > 1:
+            out[name] = loads | extra.pop(name, {})
     return out | extra
 
 
@@ -157,16 +152,12 @@ def _load_errors_near_nut_faces(cache: SceneResultCache) -> dict[str, Array]:
 
     ``cache``: has the scenes and stored runs. The bounds are (n, 4) [% of the mean load], for n balls on the four flanks.
     """
-    first = min(LEVELS)
-    return {
-        name: error_percent(
-            estimate.load_error_near_faces(_shipped_or_drawn_scene(cache, name), loads[first], first),
-            0.0,
-            mean_load(loads[max(loads)]),
-        )
-        for name, loads in loads_by_scene_and_level(cache).items()
-        if first in loads
-    }
+    first, out = min(LEVELS), {}
+    for name, loads in loads_by_scene_and_level(cache).items():
+        if first in loads:
+            errors = estimate.load_error_near_faces(_shipped_or_drawn_scene(cache, name), loads[first], first)
+            out[name] = error_percent(errors, 0.0, mean_load(loads[max(loads)]))
+    return out
 
 
 def check_uncertainty_of_all_mesh_levels(cache: SceneResultCache) -> list[MeshUncertaintyTest]:
@@ -227,9 +218,7 @@ def _test_uncertainty_of_scene(
     """
     name, level = scene.name, max(levels)
     family = modelling.SPOKEN_FOR.get(name, name)
-    others = {
-        other: by_level for other, by_level in loads_by_scene.items() if modelling.SPOKEN_FOR.get(other, other) != family
-    }
+    others = {o: of for o, of in loads_by_scene.items() if modelling.SPOKEN_FOR.get(o, o) != family}
     known = estimate.derive_uncertainty_of_other_scenes(others, box_scatter, errors_by_scene_near_faces)
     loads, judge = loads_by_scene[name], max(loads_by_scene[name])
     on, mean = estimate.is_loaded_on_any_level(loads), mean_load(loads[judge])
@@ -405,12 +394,8 @@ def error_bound_coverage_table(cache: SceneResultCache, model_solutions: Sequenc
         words = f"mesh uncertainty of coarser levels: loads of {len({h.scene for h in bars})} scenes on their finest level"
         counts.append((words, sum(h.covered_contact_count for h in bars), sum(h.contact_count for h in bars)))
     cells: list[Row] = [
-        {
-            "error_bound": words,
-            "errors_within_bound": f"{held} of {total}",
-            "share_within_bound": 100.0 * held / (total or 1),
-        }
-        for words, held, total in counts
+        {"error_bound": x, "errors_within_bound": f"{n} of {all_}", "share_within_bound": 100.0 * n / (all_ or 1)}
+        for x, n, all_ in counts
     ]
     note = (
         f"Each expected error is chosen such that {SHARE:.0%} of the other scenes are within it. This does not guarantee "
