@@ -8,7 +8,7 @@ once; the counts are stored in ``root-finding.toml``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
@@ -289,41 +289,36 @@ def random_linear_balls(count: int, mu: float = LINEAR.mu, *, unloaded: bool = F
     return linear_chain.prepare_linear_chain(replace(LINEAR, mu=mu, mu_balls=mu), angles, loads)
 
 
-def solve_pair_group(group: str, pairs: Sequence[Pair], note: str = "") -> ExtremeGroup:
-    """Solve two touching balls of a screw, also from random motions and ball-to-ball forces; return the group's results.
+def solve_screw_group(
+    tally: ExtremeGroup, solved: Iterable[tuple[bool, ScrewBallChain, ChainMotion]], seed: int, start_distance: float
+) -> ExtremeGroup:
+    """Count solved rows of neighbouring balls of a screw in ``tally``, and solve them from random starts too.
 
-    Contact loads and motions are solved. ``group``: name of the inputs that are varied; ``pairs``: the cases; ``note``:
-    remark for the table.
+    ``solved``: whether a case converged, its balls with their contact loads, and its solution, with whose ball-to-ball
+    forces those from random starts are compared; ``seed``: of the random starts; ``start_distance``: largest relative
+    distance of the starting motion from the solution. Returns ``tally``.
     """
-    rng, tally = np.random.default_rng(3), ExtremeGroup(group, "screw pair", note, len(pairs))
-    for p in pairs:
-        r = solve_pair_of_screw_balls(p)
-        m = r.touching.motion
-        tally.count_own_solution(r.converged, m.input_power, m.loss, 0.0)
-        load = r.touching.loads_with_friction
-        chain = screw_ball_chain(p.groove, load.force, p.groove.normals(load.angle), np.array([0.0, np.inf]))
-        count_solutions_from_random_starts(tally, chain, m, rng, FAR_START)
+    rng = np.random.default_rng(seed)
+    for converged, chain, known in solved:
+        tally.count_own_solution(converged, known.input_power, known.loss, 0.0)
+        bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
+        size = np.maximum(known.ball_force, NO_FORCE * bound)
+        for _ in range(CHAIN_STARTS):
+            q = known.q * rng.uniform(1.0 - start_distance, 1.0 + start_distance, known.q.shape)
+            m = solve_motion_of_chain(chain, (q, size * rng.uniform(0.0, 2.0, size.size)))
+            apart = float(np.max(np.abs(m.ball_force - known.ball_force))) / bound
+            tally.count_own_solution(m.converged, m.input_power, m.loss, apart)
+            tally.random_starts += 1
+            tally.converged_from_random_starts += m.found_from_given_start
     return tally
 
 
-def count_solutions_from_random_starts(
-    tally: ExtremeGroup, chain: ScrewBallChain, known_solution: ChainMotion, rng: np.random.Generator, start_distance: float
-) -> None:
-    """Solve neighbouring balls of a screw from random starts, and count the solutions in ``tally``.
-
-    ``chain``: the balls with given contact loads; ``known_solution``: known solution, with whose ball-to-ball forces the
-    others are compared; ``rng``: generator of the random starts; ``start_distance``: largest relative distance of the
-    starting motion from the known solution.
-    """
-    bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
-    size = np.maximum(known_solution.ball_force, NO_FORCE * bound)
-    for _ in range(CHAIN_STARTS):
-        q = known_solution.q * rng.uniform(1.0 - start_distance, 1.0 + start_distance, known_solution.q.shape)
-        m = solve_motion_of_chain(chain, (q, size * rng.uniform(0.0, 2.0, size.size)))
-        apart = float(np.max(np.abs(m.ball_force - known_solution.ball_force))) / bound
-        tally.count_own_solution(m.converged, m.input_power, m.loss, apart)
-        tally.random_starts += 1
-        tally.converged_from_random_starts += m.found_from_given_start
+def solved_pair(pair: Pair) -> tuple[bool, ScrewBallChain, ChainMotion]:
+    """Solve loads and motions of two touching balls of a screw: converged or not, the loaded balls, their motion."""
+    r = solve_pair_of_screw_balls(pair)
+    load, slack = r.touching.loads_with_friction, np.array([0.0, np.inf])
+    chain = screw_ball_chain(pair.groove, load.force, pair.groove.normals(load.angle), slack)
+    return r.converged, chain, r.touching.motion
 
 
 def random_screw_balls(count: int) -> ScrewBallChain:
@@ -337,21 +332,6 @@ def random_screw_balls(count: int) -> ScrewBallChain:
     angle = g.contact_angle + np.radians(rng.uniform(-3.0, 3.0, (count, 4)))
     slack = np.where(rng.uniform(size=count) < 0.7, 0.0, rng.uniform(0.0, 0.05, count))
     return screw_ball_chain(g, force, g.normals(angle), np.append(slack[:-1], np.inf))
-
-
-def solve_screw_chain_group() -> ExtremeGroup:
-    """Solve rows of neighbouring balls of a screw, and return the results of all rows.
-
-    The rows have the numbers of balls in `BALLS`.
-    """
-    rng = np.random.default_rng(4)
-    tally = ExtremeGroup("chains", f"screw, {', '.join(map(str, BALLS))} balls", cases=len(BALLS))
-    for count in BALLS:
-        chain = random_screw_balls(count)
-        m = solve_motion_of_chain(chain)
-        tally.count_own_solution(m.converged, m.input_power, m.loss, 0.0)
-        count_solutions_from_random_starts(tally, chain, m, rng, NEAR_START)
-    return tally
 
 
 def solve_bearing_clearance_group() -> ExtremeGroup:
@@ -400,13 +380,18 @@ def solve_all_groups_of_touching_balls() -> list[ExtremeGroup]:
         ),
         ("zero speed", [replace(base, groove=screw_groove(nut_speed=0.0))], ""),
     )
+    screws = [random_screw_balls(n) for n in BALLS]
+    chains = ((m.converged, chain, m) for chain in screws for m in (solve_motion_of_chain(chain),))
     return [
         *(solve_linear_group(*group) for group in linear),
         solve_linear_group("chains", [random_linear_balls(n) for n in BALLS], f"linear, {counts}"),
         solve_linear_group(f"chains, {mu}", balls, f"linear, {counts}", *few),
         solve_linear_group(f"chains, {mu}", unloaded, "the same, a quarter of the contacts unloaded", *few),
-        *(solve_pair_group(*group) for group in pairs),
-        solve_screw_chain_group(),
+        *(
+            solve_screw_group(ExtremeGroup(group, "screw pair", note, len(of)), map(solved_pair, of), 3, FAR_START)
+            for group, of, note in pairs
+        ),
+        solve_screw_group(ExtremeGroup("chains", f"screw, {counts}", "", len(BALLS)), chains, 4, NEAR_START),
         solve_bearing_clearance_group(),
     ]
 
