@@ -16,9 +16,10 @@ from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
     from rollbench.compare.scenes.duty_cycle import Described, FrictionScene
+    from rollbench.meshes.axis import Assembly
 
-#: Class of a kind of scenes for which only friction is computed.
-Of = TypeVar("Of", bound="FrictionScene")
+#: Class of a kind of scenes: a shaft, or one for which only friction is computed.
+Of = TypeVar("Of", bound="FrictionScene | Assembly")
 
 
 @cache

@@ -72,11 +72,9 @@ def assumptions_by_external_case() -> dict[str, tuple[str, ...]]:
 def shipped_shaft_scene(name: str) -> Assembly:
     """Return the scene ``external-NAME``, included with rollbench, of a shaft with bearing rows or nuts.
 
-    ``name``: NAME, such as "masta-radial". Raises AssertionError for a scene without such a shaft.
+    ``name``: NAME, such as "masta-radial". Raises InputError for a scene without such a shaft.
     """
-    found = catalogue.shipped_scene(PREFIX + name)
-    assert isinstance(found, Assembly), f"{PREFIX}{name}: {type(found).__name__}"
-    return found
+    return catalogue.shipped_scene_of_kind(PREFIX + name, Assembly)
 
 
 def solve_shaft_and_bearing_row(cache: SceneResultCache, name: str) -> tuple[AxisResult, SetResult]:

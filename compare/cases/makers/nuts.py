@@ -44,14 +44,6 @@ LOADED, PRELOADED = 0.3, 0.1
 LIFT = 2.0**1.5
 
 
-@cache
-def _shipped_40x10_screw() -> Scene:
-    """Return the shipped scene of a 40x10 ball screw, from which the scenes of catalogue nuts are made."""
-    found = catalogue.shipped_scene("unseen-40x10")
-    assert isinstance(found, Scene)
-    return found
-
-
 @dataclass(frozen=True)
 class CatalogueNut:
     """Dimensions of a ball nut in a catalogue.
@@ -83,7 +75,7 @@ def scene_of_one_loaded_turn(nut: CatalogueNut, conformity: float) -> Scene:
 
     ``conformity``: groove radius over ball diameter.
     """
-    one, groove = _shipped_40x10_screw(), conformity * nut.ball_diameter
+    one, groove = catalogue.scene("unseen-40x10"), conformity * nut.ball_diameter
     balls = max(1, round(nut.touching_balls_per_turn))
     nut_diameter = nut.pitch_diameter + (1.0 + 2.0 * WALL) * nut.ball_diameter
     screw_diameter, path = nut.pitch_diameter - 2.0 * BEYOND * nut.ball_diameter, 0.5 * nut.pitch_diameter

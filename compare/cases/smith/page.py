@@ -254,8 +254,7 @@ def tapered_roller_table_and_figure(cache: SceneResultCache) -> tuple[Table | Fi
     The result is empty without stored 3D results. ``cache``: records that the scene smith-axis-taper is used.
     """
     cache.record_used_scenes(("smith-axis-taper",))
-    scene = catalogue.shipped_scene("smith-axis-taper")
-    assert isinstance(scene, Assembly)
+    scene = catalogue.shipped_scene_of_kind("smith-axis-taper", Assembly)
     (roller,) = rollers.roller_kinds_with_largest_load(scene)
     stored = (rollers.stored_roller_run(roller, level, (shipped_store(),)) for level in rollers.LEVELS)
     runs = [run for run in stored if run is not None]

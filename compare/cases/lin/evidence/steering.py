@@ -144,9 +144,7 @@ TIE_ROD = (0.0, 6.0, 12.0, 18.0)
 
 def shipped_steering_gear() -> Assembly:
     """Return the scene, included with rollbench, of Lin's steering gear: a rack with ball screw and bearing."""
-    found = catalogue.shipped_scene(RACK)
-    assert isinstance(found, Assembly), f"{RACK}: {type(found).__name__}"
-    return found
+    return catalogue.shipped_scene_of_kind(RACK, Assembly)
 
 
 def solve_gear_at_tie_rod_angle(gear: Assembly, angle: float, *, side_forces_opposed: bool = False) -> AxisResult:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -16,14 +15,12 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import load_stored_run, shipped_store
-from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.catalogue import shipped_scene_of_kind
+from rollbench.compare.scenes.duty_cycle import FrictionScene
 from rollbench.compare.studies.rolling import runs as rolling
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, Text
-
-if TYPE_CHECKING:
-    from rollbench.compare.scenes.duty_cycle import FrictionScene
 
 #: Number of balls that count as "the last few".
 LAST = 3
@@ -137,7 +134,7 @@ def _ball_force_row(case: str) -> Row:
     """
     table, low_key, ansys_key, name = FORCES[case]
     low, ansys = (printed_value(table, key) for key in (low_key, ansys_key))
-    scene = cast("FrictionScene", catalogue.shipped_scene(name))
+    scene = shipped_scene_of_kind(name, FrictionScene)
     coarse, fine = (rolling.load_rolling_run(scene, level, [shipped_store()]) for level in (SOURCE_LEVEL, 3))
     printed = f"{low:g} N, ANSYS {ansys:g} N: {float(error_percent(low, ansys)):.2f} %"
     if coarse is None or fine is None:

@@ -123,8 +123,7 @@ def solve_by_beam_model(
     Each bearing row acts at its actual axial position. ``layout``: support bearings of the axis; ``nut_position``: position
     of the nut over the length between the supports; ``cache``: not used here. AssertionError without convergence.
     """
-    found = catalogue.shipped_scene(layout.scene_name)
-    assert isinstance(found, Assembly), f"{layout.scene_name}: {type(found).__name__}"
+    found = catalogue.shipped_scene_of_kind(layout.scene_name, Assembly)
     at = FIRST + nut_position * bearings.screw_bar().length
     loads = tuple(replace(x, at=at, force=(0.0, 0.0, -bearings.APPLIED)) for x in found.loads)
     result = run_model(replace(found, loads=loads, stiffness_at=at), "lin", ModelOptions())
