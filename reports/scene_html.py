@@ -21,7 +21,7 @@ from rollbench.reports import figures, scene3d, sketch
 from rollbench.reports.cells import format_cell, with_typographic_signs
 from rollbench.reports.content import Figure, LoadedScrew, SceneView, Section, Sketch, Table
 from rollbench.reports.pages import load_templates, svg_as_html_element
-from rollbench.reports.view import MARKER, viewer_elements_html
+from rollbench.reports.view import MARKER, json_script_element, viewer_elements_html
 
 #: HTML identifiers of the script elements in which a page contains data.
 BLOCKS = ("manifest", "scene", "results")
@@ -68,22 +68,16 @@ def scene_page_html(page: ScenePage) -> str:
     environment.globals["cell"] = format_cell
     environment.globals["drawn"] = _svg_of_item
     picture, missing = _picture_as_base64(page.picture)
+    manifest = {"provenance": dict(page.provenance), "files": dict(page.files)}
+    data = {"manifest": manifest, "scene": page.scene_text, "results": page.results}
     return environment.get_template("scene.html.j2").render(
         page=page,
         picture=Markup(picture),  # base64 may hold the letters of a unit
         missing=missing,
         viewer=Markup("" if page.view is None else viewer_elements_html(page.view)),
         marker=Markup(MARKER),
-        manifest_json=_json_for_script({"provenance": dict(page.provenance), "files": dict(page.files)}),
-        scene_json=_json_for_script(page.scene_text),
-        results_json=_json_for_script(page.results),
+        data={name: Markup(json_script_element(name, data[name])) for name in BLOCKS},
     )
-
-
-def _json_for_script(data: Any) -> Markup:
-    """Return data as JSON for an HTML script element; <, > and & are escaped, so that no text can end the element."""
-    text = json.dumps(data, sort_keys=True)
-    return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
 
 
 def _svg_of_item(item: Figure | Sketch) -> Markup:
