@@ -277,11 +277,6 @@ def pair_rigidity_at_constant_angle(bearing: angular_contact.BallBearing, preloa
     return 3.0 * preload / u
 
 
-def lift_off_over_preload_at_constant_angle() -> float:
-    """Return the lift-off load of a bearing pair divided by its preload, 2^(3/2), for constant contact angles."""
-    return float(2.0**1.5)
-
-
 #: Makers' examples of mean forces: key of the printed mean force, name of the case with the phases of the duty cycle.
 EXAMPLES = {"mean_hiwin_mill": "hiwin_mill", "mean_hiwin": "hiwin", "mean_rexroth": "rexroth"}
 
