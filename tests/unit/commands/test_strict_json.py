@@ -9,7 +9,6 @@ from rollbench.compare.cli import app_with_commands as complete
 #: Commands with --json that take no scene, or one only, as short as they can be.
 OTHERS = {
     "list_": (("list",), ("list", "--trace"), ("list", "--table", "lin-3.2")),
-    "doctor": (("doctor",),),
     "audit": (("audit", "--only", "lin-3.2"),),  # which prints a zero where another number is computed
     "compare": (("compare", "lin-case1", "--model", "lin"),),
     "check": (("check", "lin-case1", "--model", "lin", "--no-compute"),),
@@ -18,9 +17,9 @@ OTHERS = {
     "friction": (("friction", "bearing-9", "--model", "lin", "--mu", "0.1"),),
     "mesh_study": (("mesh-study", "two-balls", "--levels", "2"),),
 }
-#: Others are not run here: solve by ``tests/golden``, sweep and crosscheck where their own tests read the JSON; the last
-#: two take a minute, the report runs the table of the one, and ``test_bench.py`` the other.
-ELSEWHERE = {"solve", "sweep", "crosscheck", "stability", "bench"}
+#: Others are not run here: solve by ``tests/golden``, doctor, sweep and crosscheck where their own tests read the JSON; the
+#: last two take a minute, the report runs the table of the one, and ``test_bench.py`` the other.
+ELSEWHERE = {"solve", "doctor", "sweep", "crosscheck", "stability", "bench"}
 
 
 def strict(command, *tokens):
