@@ -13,7 +13,7 @@ from rollbench.compare.scenes.fault import Fault, length_text
 from rollbench.compare.scenes.key_checks import groove_definition_faults
 from rollbench.compare.scenes.keys import SceneFileTable
 from rollbench.compare.scenes.kinds import FrictionSceneKeys
-from rollbench.lowfi.friction.screw.groove import Mode, ScrewGroove
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.meshes.ranges import Coefficient, ContactAngle, Deviation, Lead, Modulus, QuantityRange, Radius
 from rollbench.meshes.record_keys import scene_key
 from rollbench.meshes.scene_text import Table, with_unit
@@ -58,11 +58,6 @@ class HertzConstantKeys(SceneFileTable):
         "nominal",
         default="nominal",
     )
-
-    @property
-    def hertz_mode_of_solver(self) -> Mode:
-        """Name of these Hertz constants in the friction solvers: "right" (exact), or "as printed" in Lin's Table B.1."""
-        return "right" if self.hertz == "nominal" else "as printed"
 
 
 class BallFrictionKeys(scenes_keys.CoulombFrictionKeys):
@@ -142,7 +137,7 @@ def grooves_from_keys(
         *elastic_constants(keys.material),
         keys.friction.coefficient,
         *speeds,
-        hertz=keys.ingredients.hertz_mode_of_solver,
+        hertz="right" if keys.ingredients.hertz == "nominal" else "as printed",
         **more,
     )
 
