@@ -1,7 +1,5 @@
 """The bench: what it measures and says (seconds are never asserted)."""
 
-import pytest
-
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.reference.store import measuring_conditions
 from rollbench.compare.sections import reference_time
@@ -27,22 +25,20 @@ def test_a_command_is_timed_from_an_empty_home_again_and_beside_a_busy_process()
     assert failed.job.note.startswith("not measured: rollbench: ")
 
 
-@pytest.fixture
-def quick(monkeypatch):
+def test_a_stored_run_times_models_and_commands_for_the_report(tmp_path, command, monkeypatch):
     """One model, one command and no drawn screw in place of all that is timed; no ensemble."""
-    monkeypatch.setattr(reference_time, "REFERENCED", ("lin-case1",))
-    monkeypatch.setattr(reference_time, "UNSEEN", ())
-    monkeypatch.setattr(reference_time, "LARGE", ())
-    monkeypatch.setattr(reference_time, "all_cases", tuple)
-    monkeypatch.setattr(reference_time, "models_with_body_files", lambda *_: [(MODELS["mei"], None)])
-    monkeypatch.setattr(run_times, "COMMANDS", ("schema --help",))
-    monkeypatch.setattr(survey_models, "COUNT", 0)
-    monkeypatch.setattr(survey_models.time_models_and_levels_on_screws, "__defaults__", (0,))
-    monkeypatch.setattr(run_times, "time_ensemble", lambda: run_times.RunTimeRow("members", 1.0))
-
-
-@pytest.mark.usefixtures("quick")
-def test_a_stored_run_times_models_and_commands_for_the_report(tmp_path, command):
+    for module, name, value in (
+        (reference_time, "REFERENCED", ("lin-case1",)),
+        (reference_time, "UNSEEN", ()),
+        (reference_time, "LARGE", ()),
+        (reference_time, "all_cases", tuple),
+        (reference_time, "models_with_body_files", lambda *_: [(MODELS["mei"], None)]),
+        (run_times, "COMMANDS", ("schema --help",)),
+        (run_times, "time_ensemble", lambda: run_times.RunTimeRow("members", 1.0)),
+        (survey_models, "COUNT", 0),
+        (survey_models.time_models_and_levels_on_screws, "__defaults__", (0,)),
+    ):
+        monkeypatch.setattr(module, name, value)
     rows = {row["job"]: row for row in command.answer("bench", "--store", tmp_path)}
     kept = load_run_times([tmp_path])
     (row,), one = reference_time.command_time_table(kept).rows, kept.times["schema --help",]
