@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.helpers import STEEL
 
-from rollbench.lowfi.bearings import axis
+from rollbench.lowfi.bearings import as_printed, axis
 from rollbench.meshes.axis import Assembly, Segment
 from rollbench.meshes.parts import Screw
 
@@ -73,3 +73,14 @@ def test_inertia_of_a_mass_on_the_nut_holds_its_energy():
     mass = [7850.0 * np.pi / 4.0 * (d**2 - b**2) * n for d, b, n in ((30e-3, 10e-3, 0.4), (20e-3, 5e-3, 0.1))]
     by_hand = [m * (d**2 + b**2) / 8.0 for m, d, b in zip(mass, (30e-3, 20e-3), (10e-3, 5e-3), strict=True)]
     assert axis.screw_inertia(shaft, 7850.0) == pytest.approx(sum(by_hand), rel=1e-12)
+
+
+def test_sum_in_series_is_softer_than_any_topology():
+    """The source's sum, against the chain: with both ends side by side the supports count a fourth of what it takes."""
+    k = 1.75e9
+    a = axis.ScrewShaftSprings(**SHAFT, left=k, right=k)
+    middle = float(axis.shaft_and_support_stiffness(axis.ScrewShaftSprings(**SHAFT), 0.65))
+    summed = as_printed.axis_stiffness_as_printed((k, k), middle, NUT)
+    right = float(axis.carriage_to_frame_stiffness(a, 0.65, NUT))
+    assert 1 / summed - 1 / middle - 1 / NUT == pytest.approx(2.0 / k, rel=1e-12)
+    assert 1 / right - 1 / middle - 1 / NUT == pytest.approx(0.5 / k, rel=1e-9)

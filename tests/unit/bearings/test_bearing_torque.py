@@ -63,6 +63,20 @@ def test_starting_torques_that_nsk_prints_lie_in_the_range(size, balls, ball, pi
         assert low < 0.5 * pair < high
 
 
+def test_both_forms_agree_with_the_exponent_two_thirds_only():
+    """2.31: f p d^3 (eta omega/p)^x in kg, mm, s, p one atmosphere, oil of 900 kg/m3, against 2.32."""
+    nu, n, dm = 27.0, 1450.0, 55.086
+    atmosphere = 101325.0 / torque.KILOGRAM_FORCE * 1e-6
+    eta = nu * 1e-6 * 900.0 / torque.KILOGRAM_FORCE * 1e-6
+
+    def pressure_form(x):
+        return 2.0 * atmosphere * dm**3 * (eta * n * RPM / atmosphere) ** x * torque.KILOGRAM_FORCE * 1e-3
+
+    ours = torque.load_independent_torque(2.0, dm * 1e-3, nu * 1e-6, n * RPM)
+    assert pressure_form(2.0 / 3.0) == pytest.approx(ours, rel=0.03)
+    assert pressure_form(1.5) < 1e-3 * ours
+
+
 def test_static_rating_and_load_torque():
     across, along = 1.0 / 0.1, 1.0 / 4e-3
     c = torque.palmgren_static_rating(2, 18, 8e-3, np.radians(60.0), across, along)

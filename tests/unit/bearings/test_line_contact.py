@@ -107,6 +107,13 @@ def test_slope_and_energy(q):
     assert LAW.stiffness_per_length(0.0) == energy_per_length(LAW, np.zeros(1))[0] == LAW.approach(0.0) == 0.0
 
 
+def test_local_exponent_is_near_the_usual_ones():
+    q = np.geomspace(1e4, 3e5, 20)
+    exponent = LAW.stiffness_per_length(q) * LAW.approach(q) / q
+    assert exponent.min() > 1.07
+    assert exponent.max() < 1.14
+
+
 def test_similar_bodies_are_similar():
     """Twice the size under the same pressure, twice the approach: what 3.19 of the source is not."""
     twice = approach_law_of_races(8e-3, (1.0 / 40e-3, -1.0 / 56e-3), (10e-3, 10e-3), YOUNG, POISSON)

@@ -61,6 +61,18 @@ def test_cones_share_one_apex():
     assert B.pitch_diameter == pytest.approx(2.0 * axis_radius, rel=1e-14)
 
 
+def test_balance_of_the_roller_with_its_rib():
+    """Forces on the roller in an axial plane: cup, cone, rib; and thrust on the cone from race and rib together."""
+    q = 1000.0
+    rib = 2.0 * q * np.sin(B.roller_angle)
+    cup = -q * np.array([np.sin(B.cup_angle), np.cos(B.cup_angle)])  # (axial, radial)
+    cone = q * np.array([np.sin(B.cone_angle), np.cos(B.cone_angle)])
+    along = B.cup_angle - B.roller_angle
+    push = rib * np.array([np.cos(along), -np.sin(along)])
+    np.testing.assert_allclose(cup + cone + push, 0.0, atol=1e-9)
+    assert cone[0] + push[0] == pytest.approx(q * np.sin(B.cup_angle), rel=1e-12)
+
+
 def test_contacts_are_hertz_lines():
     widths, pressures = (x[0] for x in rollers.half_widths_and_pressures_of_slices(B, np.array([1100.0 / B.length])))
     roller, cone, cup = (float(r) for r in B.curvature_radii())

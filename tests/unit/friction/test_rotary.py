@@ -123,3 +123,34 @@ def test_a_pushed_body_rests_below_the_limit_and_slides_above():
     assert held.friction.force[0, 1] == pytest.approx(-6.0, rel=1e-9)
     assert held.friction.moment[0] == pytest.approx(-1e-3, rel=1e-9)
     assert equilibrium.least_dissipation(replace(base, other_forces=np.array([0.0, 12.0, 0.0]))).status == "failed"
+
+
+def rotation(angle):
+    """Rotation matrix about x."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+
+
+def test_maps_are_rigid_body_kinematics():
+    """Lin 3.4-3.9 in the fixed frame at an azimuth, differentiated in time by finite differences of positions."""
+    b, q, phi, eps = BEARING, np.array([27.4, -136.0, 108.0, 5.0]), 0.7, 1e-7
+    maps, drives = friction_bearing.contact_kinematics(b, ANGLES)
+    centre = np.array([0.0, b.pitch_radius, 0.0])
+    for i in range(4):
+        n = np.array([friction_bearing.AXIAL[i] * np.sin(ANGLES[i]), friction_bearing.RADIAL[i] * np.cos(ANGLES[i]), 0.0])
+        y = -n
+        x = np.cross(y, [0.0, 0.0, 1.0])
+        seen = drives[i] + maps[i] @ q
+        for px, pz in ((0.0, 0.0), (1e-4, 0.0), (0.0, 5e-5), (-1e-4, 2e-5)):
+            local = b.ball_radius * n + px * x + np.array([0.0, 0.0, pz])
+
+            def on_ball(t, local=local):
+                return rotation(phi + q[0] * t) @ (centre + local + np.cross(q[1:], local) * t)
+
+            def on_ring(t, local=local, i=i):
+                return rotation(phi + b.screw_speed * t * friction_bearing.INNER[i]) @ (centre + local)
+
+            rate = (on_ball(eps) - on_ball(-eps) - on_ring(eps) + on_ring(-eps)) / (2.0 * eps)
+            back = rotation(-phi) @ rate
+            assert back @ x == pytest.approx(seen[0] + seen[2] * pz, abs=2e-7)
+            assert back[2] == pytest.approx(seen[1] - seen[2] * px, abs=2e-7)

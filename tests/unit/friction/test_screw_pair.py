@@ -86,3 +86,11 @@ def test_the_load_that_a_force_and_its_losses_imply_is_the_one_whose_losses_they
     each = solve_ball_motion(SCREW, np.full(4, load / 4.0), np.full(4, SCREW.contact_angle)).motion.loss
     increase = 0.5 * SCREW.mu * force * run.pair_sliding_speed(PAIR) / each
     assert run.load_implied_by_ball_force(PAIR, force, increase) == pytest.approx(load, rel=1e-8)
+
+
+def test_radial_part_of_the_ball_force_keeps_its_sign() -> None:
+    """Lin 3.75 calls the force on ball 2 opposite; its radial part is not."""
+    push = SCREW.pair.force_directions
+    assert push[0, 0] == pytest.approx(push[1, 0], rel=1e-13)
+    assert push[0, 0] > 0.1
+    assert push[0, 1:] == pytest.approx(-push[1, 1:], rel=1e-13)

@@ -95,6 +95,42 @@ def test_derivatives_and_curvatures_are_those_of_the_independent_surface(side, s
         assert curved[i] == pytest.approx(expected, rel=1e-7)
 
 
+@pytest.mark.parametrize("beta", [0.2, np.pi / 4, 1.3])
+def test_torus_limit(beta):
+    """Zero lead: -1/r_G across; along, the normal curvature of a circle of latitude of the torus."""
+    scene, _, drawn, _ = setup(lead=0.0, beta=beta)
+    gamma, radius, ball = np.full(6, beta), scene.track.pitch_radius, scene.balls.radius
+    for side, groove, sign in ((0, 3.254e-3, 1), (1, 3.254e-3, 1), (2, 3.3e-3, -1), (3, 3.3e-3, -1)):
+        along = sign * np.cos(beta) / (radius - sign * ball * np.cos(beta))
+        found = principal_curvatures(scene, drawn, side, gamma)
+        assert found == pytest.approx(np.tile([-1 / groove, along], (6, 1)), rel=1e-12)
+
+
+@pytest.mark.parametrize("lead", [0.0, 5e-3, 20e-3, 40e-3])
+def test_signs_of_the_curvatures(lead):
+    """Concave across both grooves; along the track the screw is convex and the nut concave."""
+    scene, _, drawn, _ = setup(lead=lead)
+    for side in range(4):
+        low, high = principal_curvatures(scene, drawn, side, np.full(6, np.pi / 4))[0]
+        assert low == pytest.approx(-1 / (3.254e-3 if side < 2 else 3.3e-3), rel=0.1)
+        assert (high > 0.0) == (side < 2)
+        assert abs(high) < 0.35 * abs(low)
+
+
+@pytest.mark.parametrize("side", range(4), ids=SIDES)
+def test_hand_and_flank_do_not_matter(side):
+    """A left-hand groove is the mirror image of the right-hand one, and SL of SR turned about the radius."""
+    gamma = np.full(6, 0.7)
+
+    def curvatures(hand, which):
+        scene, _, drawn, _ = setup(hand=hand)
+        return principal_curvatures(scene, drawn, which, gamma)
+
+    right = curvatures("right", side)
+    assert curvatures("left", side) == pytest.approx(right, rel=1e-12)
+    assert curvatures("right", side ^ 1) == pytest.approx(right, rel=1e-12)
+
+
 def test_constant_offset_of_all_flanks_is_a_change_of_radius():
     side = replace(FLANK_ERRORS.SL, profile=(1e-6,), pitch=())
     drawn = setup(Errors(SL=side))[2]

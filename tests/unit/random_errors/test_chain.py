@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize
 
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.as_source.liu import chain as chains
@@ -27,6 +27,31 @@ def solved(load=500.0, **changes):
     """The long chain with some changes, without errors."""
     chain = replace(LONG, **changes)
     return chain, chains.solve_ball_screw(chain, np.zeros(chain.balls), load)
+
+
+def energy(u, chain, errors, load):
+    """Energy [N um] of motions [um], written from the geometry; constant and exact contact angle."""
+    v = u * np.cos(chain.lead_angle) * 1e-6
+    if chain.law == "constant":
+        approach = errors + v * np.sin(ANGLE)
+    else:
+        approach = np.hypot(A * np.sin(ANGLE) + v, A * np.cos(ANGLE)) - A + errors
+    stored = 0.4 * chain.stiffness * np.maximum(approach, 0.0) ** 2.5
+    bars = (1e-6 * np.diff(u)) ** 2 / (2.0 * chain.compliance)
+    return 1e6 * (stored.sum() + bars.sum() - 1e-6 * load * u[0])
+
+
+@pytest.mark.parametrize("law", ["constant", "exact"])
+@pytest.mark.parametrize("load", [5.0, 60.0, 900.0])
+def test_minimum_by_brute_force(law, load):
+    chain = replace(SHORT, law=law)
+    options = {"xatol": 1e-9, "fatol": 1e-13, "maxiter": 20000, "maxfev": 40000, "adaptive": True}
+    found = minimize(energy, np.full(5, 6.0), (chain, ERRORS, load), method="Nelder-Mead", options=options)
+    s = chains.solve_ball_screw(chain, ERRORS, load)
+    assert s.converged
+    assert energy(1e6 * s.motion, chain, ERRORS, load) <= found.fun + 1e-9 * abs(found.fun)
+    # loose balls ride on the chain: their motion is determined too
+    assert 1e6 * s.motion == pytest.approx(found.x, abs=2e-4)
 
 
 def implicit_load(u, error, chain):

@@ -14,6 +14,7 @@ from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
 
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import run_model
+from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.contacts import hertz_with_errors
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.errors import draw_geometry_with_errors
@@ -92,6 +93,20 @@ def test_two_starts_balance_each_other():
     uz, load, _ = axial_state(scene, 2000.0, 12)
     assert result.load == pytest.approx(np.tile([load, 0.0, 0.0, load], (12, 1)), rel=1e-9)
     assert result.centreline[0] == pytest.approx([0.0, 0.0, uz, 0.0, 0.0, 0.0], rel=1e-9, abs=1e-15)
+
+
+@pytest.mark.parametrize("name", catalogue.names_of_single_nut_scenes())
+def test_shipped_scenes_are_in_equilibrium(name):
+    """Contact forces at their contact points, reactions and loads, summed apart from the solver's own residual.
+
+    That stops at 1e-12 of the largest force per node; some 70 nodes on arms of 0.4 m add up to the bounds below.
+    """
+    result = solved(catalogue.scene(name))
+    assert result.solver.residual <= 1e-10
+    assert result.equilibrium.force_residual < 1e-10
+    assert result.equilibrium.moment_residual < 1e-9
+    on_ball = (result.load[..., None] * result.force_direction).sum(axis=1)
+    assert np.abs(on_ball).max() < 1e-9 * result.load.max()
 
 
 def four_contacts(scene, v):

@@ -75,6 +75,17 @@ def test_johnsons_equations_hold(ratio):
     assert hertz_constants(ratio, 1.0, MODULUS).eccentricity == pytest.approx(np.sqrt(m), rel=1e-12)
 
 
+@pytest.mark.parametrize("ratio", [1.0, 0.3, 1e-5])
+def test_scaling(ratio):
+    """Approach as F^(2/3) E^(-2/3) kappa^(1/3), axes as F^(1/3) E^(-1/3) kappa^(-1/3), pressure as F^(1/3)."""
+    one = hertz_constants(ratio / RADIUS, 1 / RADIUS, MODULUS)
+    assert one.pressure(8 * FORCE) == pytest.approx(2 * one.pressure(FORCE), rel=1e-14)
+    soft = hertz_constants(ratio / RADIUS, 1 / RADIUS, MODULUS / 8)
+    small = hertz_constants(8 * ratio / RADIUS, 8 / RADIUS, MODULUS)
+    for other, factors in ((soft, (4, 2, 2)), (small, (2, 0.5, 0.5))):
+        assert (other.C / one.C, other.C_a / one.C_a, other.C_b / one.C_b) == pytest.approx(factors, rel=1e-13)
+
+
 def test_hertz_at_the_actual_geometry_is_consistent_with_the_solution():
     """The constants are those of the surfaces at the contact angles found with them, and not those of error-free parts."""
     nominal = catalogue.scene("lin-case3-offset")

@@ -4,14 +4,51 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.helpers import FLANK_ERRORS, NO_PROFILES, relative, small_screw, solved, with_ingredients
+from tests.dense_beam import screw_beam_stiffness_matrix
+from tests.helpers import FLANK_ERRORS, NO_PROFILES, four_flank_problem, relative, small_screw, solved, with_ingredients
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.as_source import newton as as_source
 from rollbench.lowfi.statics.contacts import hertz_without_errors
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors
 
 CASES = ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset")
+
+
+def system_of(scene, kinematics):
+    layout, problem = ball_layout(scene), four_flank_problem(scene)
+    free = np.concatenate([np.arange(6 * layout.z.size), 6 * layout.z.size + np.flatnonzero(~problem.fixed.ravel())])
+    axes = np.stack([layout.radial, layout.binormal], axis=1)
+    return as_source.LinEquations(problem, kinematics, screw_beam_stiffness_matrix(problem), free, axes)
+
+
+@pytest.mark.parametrize("errors", [None, FLANK_ERRORS], ids=["exact", "errors"])
+@pytest.mark.parametrize("partition", ["nodal", "source"])
+@pytest.mark.parametrize("kinematics", ["arc", "source"])
+def test_jacobian(kinematics, partition, errors):
+    """Central differences, each column on the scale of its unknown, at a state with three and four contacts a ball."""
+    scene = small_screw(oversize=5e-6, partition=partition)
+    if errors:
+        scene = replace(scene, errors=replace(errors, balls=BallErrors(oversize=5e-6)))
+    system = system_of(scene, kinematics)
+    count, size = 6, 36 + 6 * system.problem.nodes.size
+    rng = np.random.default_rng(3)
+    unit = np.concatenate(  # a micrometre, and the angle that shifts a contact or the pitch circle by as much
+        [np.full(12, 1e-6), np.full(24, 1e-2), np.tile([1e-6] * 3 + [5e-5] * 3, system.problem.nodes.size)]
+    )
+    x = as_source.newton_start_values(system, "nominal", 1.0) + unit * rng.normal(0.0, 0.3, size)
+    load = rng.normal(0.0, 10.0, size - 36)
+    _, jacobian, forces = as_source.equations_and_jacobian(system, x, load)
+    assert (forces > 0.0).sum() >= 3 * count
+    for k in range(size):
+        step = np.zeros(size)
+        step[k] = 1e-4 * unit[k]
+        high, low = (as_source.equations_and_jacobian(system, x + sign * step, load)[0] for sign in (1, -1))
+        found, expected = jacobian[:, k] * unit[k], (high - low) / 2e-4
+        for rows in (slice(12), slice(12, 36), slice(36, None)):  # balls, contact conditions, screw
+            scale = np.abs(jacobian[rows] * unit).max()
+            assert np.abs(found[rows] - expected[rows]).max() < 1e-6 * scale
 
 
 @pytest.mark.parametrize("partition", ["nodal", "source"])
