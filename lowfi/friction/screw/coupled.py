@@ -13,23 +13,21 @@ states in which a ball is held again. The answer is the state at the end of the 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
 from rollbench.lowfi.friction.contact.equilibrium import ContactLoadSolution
-from rollbench.lowfi.friction.contact.normal_force import ON_INNER, BallContactArrays, normal_forces
+from rollbench.lowfi.friction.contact.normal_force import ON_INNER, normal_forces
 from rollbench.lowfi.friction.screw import joint
 from rollbench.lowfi.friction.screw import motion as screw_motion
+from rollbench.lowfi.friction.screw.balance import REACH
 from rollbench.lowfi.friction.screw.chain import (
     SPEEDS,
-    BalanceSearch,
     ChainMotion,
     screw_ball_chain,
     search_motion_of_chain,
     solve_motion_of_chain,
 )
-from rollbench.lowfi.friction.screw.groove import scaled_groove
 from rollbench.lowfi.friction.screw.joint import LoadsAndMotionSystem, LoadsAndMotionUnknowns
 from rollbench.lowfi.friction.screw.path import ON_PATH, PathPoint, follow_path
 from rollbench.lowfi.friction.together import Search
@@ -42,33 +40,32 @@ PATIENCE = 26
 #: of Newton steps there, and along one path.
 COUPLED_GOAL, COUPLED_STEPS, MOST = 1e-13, 80, 2000
 
+#: Longest Newton step of positions, as a fraction of the distance of groove centre and ball centre.
+LONGEST_STEP = 0.1
+
 
 @dataclass(frozen=True)
-class LoadsAndMotionSolution:
-    """Positions, motions and forces of N balls and the screw, with contact loads and friction solved as one system."""
+class IterationStart:
+    """Friction forces and motions of N balls from which the iteration of contact loads and friction begins."""
 
-    #: Displacements of the balls along x3, z3 ``(N, 2)`` [m].
-    ball_displacements: Array
-    #: Displacement of the screw along each of the m motions in which it is free ``(m,)`` [m].
-    screw_displacements: Array
+    #: Forces of friction and neighbours on the balls along x3, z3 ``(N, 2)`` [N].
+    ball_friction_forces: Array
+    #: Forces of friction on the screw along each of the m motions in which it is free ``(m,)`` [N]; not used where friction
+    #: does not move the screw.
+    screw_friction_forces: Array
     #: Motions of the balls: orbit and rotations about x3, y3, z3 ``(N, 4)`` [rad/s].
-    q: Array
+    ball_motions: Array
     #: Force of ball k on ball k + 1 ``(N,)`` [N].
     ball_force: Array
-    #: Forces along x3, z3 that friction and neighbours exert on each ball, balanced by its contact loads ``(N, 2)`` [N].
-    ball_friction_forces: Array
-    #: Forces of friction on the screw along each of its m motions, balanced by the contact loads ``(m,)`` [N].
-    screw_friction_forces: Array
-    #: Whether the search arrived at the full friction; if not, the other fields hold the state in which it ended.
-    reached_full_friction: bool
-    #: Number of Newton steps.
-    steps: int
 
 
 def solve_loads_and_motion(
     cell: screw_motion.BallsBetweenGrooves, slack: Array, start: tuple[Array, Array]
-) -> LoadsAndMotionSolution:
+) -> tuple[IterationStart, tuple[Array, Array]] | None:
     """Return contact loads and motion of balls with friction, solved as one system of equations.
+
+    The result holds friction forces, motions and forces between the balls, then the displacements of the balls ``(N, 2)``
+    and of the screw ``(m,)`` [m]; None if the search does not arrive at the full friction.
 
     The search begins at positions in balance without friction and raises friction step by step. Where several states
     exist, the result is the one to which the path of solutions leads from the state without friction, round its folds.
@@ -92,82 +89,24 @@ def solve_loads_and_motion(
     )
     smooth, sharp = float(np.log(SPEEDS[0])), float(np.log(SPEEDS[-1]))
     laws = ((0.0, smooth), (1.0, smooth)), ((1.0, smooth), (1.0, sharp))
-    scales = _Scales.at_positions(bare, slack, screw_motion.arrays_for_contact_loads(bare), *start)
-    moved, s = solve_motion_of_chain(scales.search.chain), scales.search
+    system = LoadsAndMotionSystem.at_positions(bare, slack, *start)
+    moved, s = solve_motion_of_chain(system.search.chain), system.search
     at = LoadsAndMotionUnknowns(*start, moved.q * s.units / s.speed, moved.ball_force / s.bound)
-    here, steps, done = _LoadsAndMotionPoint(scales, laws[0], at, 0.0), 0, True
+    here = _LoadsAndMotionPoint(system, laws[0], at, 0.0)
     for law in laws:
-        here, done, used = _LoadsAndMotionPoint(here.scales, law, here.unknowns, 0.0).polished()
-        steps += used
-        if done:
-            here, done, used = follow_path(here, MOST)
-            steps += used
+        here = _LoadsAndMotionPoint(here.system, law, here.unknowns, 0.0).polished()
+        here, done, _ = follow_path(here, MOST) if here.now.size <= ON_PATH else (here, False, 0)
         if not done:
-            break
-    else:
-        here, done, used = here.polished()
-        steps += used
-    (p, u, x, f), s = here.unknowns, here.scales.search
-    F, _, n, _ = normal_forces(here.scales.arrays, p, u)
+            return None
+    here = here.polished()
+    if here.now.size > ON_PATH:
+        return None
+    (p, u, x, f), s = here.unknowns, here.system.search
+    F, _, n, _ = normal_forces(here.system.arrays, p, u)
     push = F[..., None] * n
     on_screw = push[:, ON_INNER].sum(axis=1)
     drag = -cell.external_screw_force - np.einsum("kim,ki->m", cell.section_displacement_maps, on_screw)
-    return LoadsAndMotionSolution(p, u, x * s.speed / s.units, f * s.bound, push.sum(axis=1), drag, done, steps)
-
-
-def loads_and_motion_system(
-    arrays: BallContactArrays, cell: screw_motion.BallsBetweenGrooves, search: BalanceSearch
-) -> LoadsAndMotionSystem:
-    """Return the data with which contact loads and motions of balls are solved as one system of equations.
-
-    ``arrays``: geometry and loads of the balls ``cell`` between screw and nut; ``search``: arrays of the chain of these
-    balls, scaled at the present contact loads.
-    """
-    pair, total = cell.groove.pair, float(search.chain.force[search.loaded].sum())
-    length = float(np.max(cell.groove.contact_hertz_constants.C)) * max(total, 1e-30) ** (2.0 / 3.0)
-    return LoadsAndMotionSystem(
-        cell=arrays,
-        groove=scaled_groove(cell.groove),
-        balls=search.balls,
-        groove_mu=cell.groove.mu or 1.0,
-        force_unit=search.bound,
-        position_unit=length,
-        ball_force_directions=pair.force_directions[:, [0, 2]],
-        tangent_directions=pair.tangent_directions[..., [0, 2]],
-        screw_displacement_maps=cell.screw_displacement_maps,
-    )
-
-
-class _Scales(NamedTuple):
-    """System of equations of loads and motion of some balls, scaled at given contact loads."""
-
-    #: Balls between screw and nut.
-    cell: screw_motion.BallsBetweenGrooves
-    #: Largest rate at which the difference of the azimuths of balls k and k + 1 may decrease ``(N,)`` [rad/s].
-    slack: Array
-    #: Geometry and loads of the balls in ``cell``.
-    arrays: BallContactArrays
-    #: Chain of the balls under these contact loads, and its scales.
-    search: BalanceSearch
-    #: The system.
-    system: LoadsAndMotionSystem
-
-    @classmethod
-    def at_positions(
-        cls, cell: screw_motion.BallsBetweenGrooves, slack: Array, arrays: BallContactArrays, ball: Array, screw: Array
-    ) -> _Scales:
-        """Return the system scaled at the contact loads after displacements of balls and screw [m]."""
-        at = normal_forces(arrays, ball, screw)
-        search = BalanceSearch(screw_ball_chain(cell.groove, at.force, np.insert(at.normal, 1, 0.0, axis=-1), slack))
-        return cls(cell, slack, arrays, search, loads_and_motion_system(arrays, cell, search))
-
-    @property
-    def units(self) -> Array:
-        """Units of all unknowns of the system and of the part of the way ``(7 N + m + 1,)``."""
-        n, m = self.slack.size, self.cell.screw_displacement_maps.shape[2]
-        length, force = self.system.position_unit, self.system.force_unit
-        unknowns = LoadsAndMotionUnknowns(np.ones((n, 2)), np.ones(m), np.ones((n, 4)), np.full(n, force))
-        return np.append(unknowns.in_units(1.0 / length), 1.0)
+    return IterationStart(push.sum(axis=1), drag, x * s.speed / s.units, f * s.bound), (p, u)
 
 
 class _LoadsAndMotionPoint(PathPoint):
@@ -175,7 +114,7 @@ class _LoadsAndMotionPoint(PathPoint):
 
     def __init__(
         self,
-        scales: _Scales,
+        system: LoadsAndMotionSystem,
         law: tuple[tuple[float, float], tuple[float, float]],
         unknowns: LoadsAndMotionUnknowns,
         way: float,
@@ -185,37 +124,53 @@ class _LoadsAndMotionPoint(PathPoint):
         ``law``: at the beginning and at the end of the path, the fraction of the friction that acts on the loads, and the
         natural logarithm of the regularising speed over the nut's speed along the path.
         """
-        self.scales, self.law, self.unknowns = scales, law, unknowns
-        self.point = np.append(unknowns.in_units(scales.system.position_unit), way)
+        self.system, self.law, self.unknowns = system, law, unknowns
+        self.point = np.append(unknowns.in_units(system.position_unit), way)
         share, log_speed = (a + way * (b - a) for a, b in zip(*law, strict=True))
-        self.share, self.speed = share, float(np.exp(log_speed))
-        self.now = joint.loads_and_motion_equations(scales.system, unknowns, self.share, self.speed)
+        self.now = joint.loads_and_motion_equations(system, unknowns, share, float(np.exp(log_speed)))
         self.residual = self.now.residual
 
     def at(self, point: Array) -> _LoadsAndMotionPoint:
         """Return the equations at another point ``(7 N + m + 1,)``."""
-        unit = self.scales.system.position_unit
-        unknowns = LoadsAndMotionUnknowns.from_units(point[:-1], self.scales.slack.size, unit)
-        return _LoadsAndMotionPoint(self.scales, self.law, unknowns, float(point[-1]))
+        unknowns = LoadsAndMotionUnknowns.from_units(point[:-1], self.system.search.count, self.system.position_unit)
+        return _LoadsAndMotionPoint(self.system, self.law, unknowns, float(point[-1]))
 
     def solve(self, sides: Array) -> Array:
         """Solve the linear system with the Jacobian for c right-hand sides ``(7 N + m, c)``."""
-        return joint.solve_linear_equations(self.scales.system, self.unknowns, self.now, sides)
+        return joint.solve_linear_equations(self.system, self.unknowns, self.now, sides)
 
     def rescaled(self) -> tuple[_LoadsAndMotionPoint, Array]:
         """Return the same state in the scales of its contact loads, and the old units of the point over the new ones."""
-        old = self.scales
-        new = _Scales.at_positions(old.cell, old.slack, old.arrays, self.unknowns.ball, self.unknowns.screw)
-        force = self.unknowns.ball_force * (old.search.bound / new.search.bound)
+        old, slack = self.system, self.system.search.chain.allowed_closing_rate
+        new = LoadsAndMotionSystem.at_positions(old.cell, slack, self.unknowns.ball, self.unknowns.screw)
+        force = self.unknowns.ball_force * (old.force_unit / new.force_unit)
         unknowns = self.unknowns._replace(ball_force=force)
         return _LoadsAndMotionPoint(new, self.law, unknowns, float(self.point[-1])), old.units / new.units
 
-    def polished(self) -> tuple[_LoadsAndMotionPoint, bool, int]:
-        """Return the solution near this point at its part of the way, whether there is one, and the number of steps."""
-        found, left, used = joint.solve_loads_and_motion_by_newton(
-            self.scales.system, self.unknowns, self.share, self.speed, COUPLED_GOAL, COUPLED_STEPS
-        )
-        return _LoadsAndMotionPoint(self.scales, self.law, found, float(self.point[-1])), left <= ON_PATH, used
+    def polished(self) -> _LoadsAndMotionPoint:
+        """Return the solution near this point at its part of the way, by Newton's method.
+
+        Steps are halved until the residual falls. Where no solution is found, the residual of the returned point is large.
+        """
+        here, reach = self, self.system.arrays.groove_ball_centre_distance
+        for _ in range(COUPLED_STEPS):
+            if here.now.size <= COUPLED_GOAL:
+                break
+            step = joint.newton_step(self.system, here.unknowns, here.now)
+            moved = max(float(np.abs(step.ball).max()), float(np.abs(step.screw).max(initial=0.0)))
+            turned = float(np.abs(step.motion).max())
+            length = min(1.0, REACH / max(turned, 1e-300), LONGEST_STEP * reach / max(moved, 1e-300))
+            for _ in range(30):
+                trial = _LoadsAndMotionPoint(
+                    self.system, self.law, here.unknowns.moved(step, length), float(self.point[-1])
+                )
+                if trial.now.size < (1.0 - 0.1 * length) * here.now.size:
+                    break
+                length *= 0.5
+            else:
+                break
+            here = trial
+        return here
 
 
 @dataclass(frozen=True)
@@ -235,21 +190,6 @@ class CoupledChainSolution:
     #: Whether ``last_friction_change`` is negligible (at most ``AGREED`` times the sum of contact loads), and the forces
     #: are in balance for contact loads and for ball motions.
     converged: bool
-
-
-@dataclass(frozen=True)
-class IterationStart:
-    """Friction forces and motions of N balls from which the iteration of contact loads and friction begins."""
-
-    #: Forces of friction and neighbours on the balls along x3, z3 ``(N, 2)`` [N].
-    ball_friction_forces: Array
-    #: Forces of friction on the screw along each of the m motions in which it is free ``(m,)`` [N]; not used where friction
-    #: does not move the screw.
-    screw_friction_forces: Array
-    #: Motions of the balls: orbit and rotations about x3, y3, z3 ``(N, 4)`` [rad/s].
-    ball_motions: Array
-    #: Force of ball k on ball k + 1 ``(N,)`` [N].
-    ball_force: Array
 
 
 def search_coupled_chain(
@@ -321,9 +261,9 @@ def search_coupled_chain(
             return CoupledChainSolution(bare, load, moved, change, count, agreed and load.converged and moved.converged)
         if count == PATIENCE:
             both = solve_loads_and_motion(held, slack, (bare.ball_displacements, bare.inner_body_displacements[:m]))
-            if both.reached_full_friction:
-                push, drag = both.ball_friction_forces, both.screw_friction_forces
-                place, start = (both.ball_displacements, both.screw_displacements), (both.q, both.ball_force)
+            if both is not None:
+                of, place = both
+                push, drag, start = of.ball_friction_forces, of.screw_friction_forces, (of.ball_motions, of.ball_force)
                 continue
         x = mixer.next_iterate(x, g)
         push, drag = x[: push.size].reshape(push.shape), x[push.size :]

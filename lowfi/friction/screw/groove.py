@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -238,6 +238,20 @@ class GroovesInMotion(HelicalMotion, TrackInMotion):
         """Speed of the nut relative to the screw along the helical path [m/s]; 1 m/s if both are at rest."""
         return float(abs(self.speed) * self.radius) or 1.0
 
+    @cached_property
+    def affine_contact_maps(self) -> tuple[Array, Array]:
+        """Three matrices A_0, A_1, A_2 ``(3, 3, 4)``, and the motions ``(4, 4)`` of the bodies on which the contacts lie.
+
+        Both are for the motion of a ball as surface speeds divided by the speed along the path. The matrix A_0 + n_x A_1
+        + n_z A_2 converts it to sliding vx, vz [m/s] and spin [rad/s] at a contact with the normal (n_x, n_z).
+        """
+        scale, orbit = self.speed_along_path / self.levers, np.array([1.0, 0.0, 0.0, 0.0])
+        ends = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+        at = self.contact_kinematics(np.repeat(ends[:, None, :], 4, axis=1))[0][:, 0] * scale
+        middle = 0.5 * (at[0] + at[1])  # maps are affine in the normal, so that three directions tell them
+        body = np.where(ON_SCREW, self.screw_speed, self.nut_speed)
+        return np.stack([middle, at[0] - middle, at[2] - middle]), body[:, None] * orbit / scale
+
     @property
     def nominal_motion(self) -> Array:
         """Motion of a ball that rolls at the nominal contact angle ``(4,)`` [rad/s]."""
@@ -437,48 +451,4 @@ def touching_balls_geometry(screw: HelicalMotion) -> TouchingBallsGeometry:
         second_ball_surface_speeds=sliding[1],
         force_directions=np.stack([-(frames[0] @ line), frames[1] @ line]),
         tangent_directions=np.stack([tangents @ frames[0].T, tangents @ frames[1].T]),
-    )
-
-
-class ScaledGroove(NamedTuple):
-    """Geometry and kinematics of the grooves of screw and nut in scaled units, for the motion of balls.
-
-    The motion x (4,) of a ball is its orbit and its three spins, as surface speeds divided by the speed of the nut
-    along the path.
-    """
-
-    #: Three matrices A_0, A_1, A_2 (3, 3, 4). The matrix A_0 + n_x A_1 + n_z A_2 converts the motion x of a ball to sliding
-    #: vx, vz [m/s] and spin [rad/s] at a contact with the normal (n_x, n_z).
-    contact_map_coefficients: Array
-    #: Motion, in the terms of a ball's motion x, of the body (screw or nut) on which each contact lies (4, 4).
-    body_motion: Array
-    #: Hertz constants (4,) of the semi-axes of the contacts across the groove, a = C_a F^(1/3) [m/N^(1/3)].
-    C_a: Array
-    #: Hertz constants (4,) of the semi-axes of the contacts along the groove, b = C_b F^(1/3) [m/N^(1/3)].
-    C_b: Array
-    #: Kinematics of the balls along the path.
-    track: ScaledTrack
-    #: Speed of the nut along the path relative to the screw [m/s], by which speeds are divided.
-    speed: float
-
-
-@lru_cache(maxsize=64)
-def scaled_groove(groove: GroovesInMotion) -> ScaledGroove:
-    """Return kinematics and Hertz constants of the grooves in scaled units; results are cached.
-
-    ``groove``: the grooves with the speeds of screw and nut.
-    """
-    unit, speed, h = groove.levers, groove.speed_along_path, groove.contact_hertz_constants
-    scale, orbit = speed / unit, np.array([1.0, 0.0, 0.0, 0.0])
-    ends = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    at = groove.contact_kinematics(np.repeat(ends[:, None, :], 4, axis=1))[0][:, 0] * scale
-    middle = 0.5 * (at[0] + at[1])  # maps are affine in the normal, so that three directions tell them
-    body = np.where(ON_SCREW, groove.screw_speed, groove.nut_speed)
-    return ScaledGroove(
-        contact_map_coefficients=np.stack([middle, at[0] - middle, at[2] - middle]),
-        body_motion=body[:, None] * orbit / scale,
-        C_a=h.C_a,
-        C_b=h.C_b,
-        track=groove.scaled,
-        speed=speed,
     )

@@ -10,6 +10,8 @@ friction that acts on the loads, by which the search approaches the solution.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -17,43 +19,60 @@ import numpy as np
 from rollbench.lowfi.friction.contact.dissipation import dissipation_ratio
 from rollbench.lowfi.friction.contact.normal_force import BallContactArrays, normal_forces
 from rollbench.lowfi.friction.screw import neighbours
-from rollbench.lowfi.friction.screw.balance import REACH
-from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScaledGroove
-from rollbench.lowfi.friction.screw.neighbours import NeighbourLevers, RingMatrix, ScaledBalls
+from rollbench.lowfi.friction.screw.chain import BalanceSearch, screw_ball_chain
+from rollbench.lowfi.friction.screw.groove import ON_SCREW
+from rollbench.lowfi.friction.screw.motion import BallsBetweenGrooves, arrays_for_contact_loads
+from rollbench.lowfi.friction.screw.neighbours import NeighbourLevers, RingMatrix
 from rollbench.meshes.arrays import Array
-
-#: Longest Newton step of positions, as a fraction of the distance of groove centre and ball centre.
-LONGEST_STEP = 0.1
 
 #: Part of the stiffest position's stiffness that keeps positions which no contact resists where they are.
 FLOOR = 1e-12
 
 
-class LoadsAndMotionSystem(NamedTuple):
+@dataclass(frozen=True)
+class LoadsAndMotionSystem:
     """Data of the one system of equations that determines contact loads and motions of the balls together.
 
     There are N balls; the screw is free in m motions u.
     """
 
-    #: Geometry, stiffness and loads of the balls between screw and nut.
-    cell: BallContactArrays
-    #: Geometry of the grooves for the motion of a ball.
-    groove: ScaledGroove
-    #: Frictional contacts of the resting balls at the present contact loads.
-    balls: ScaledBalls
-    #: Coefficient of friction of the grooves.
-    groove_mu: float
-    #: Unit of force in these equations [N]: the largest friction bound of a ball.
-    force_unit: float
-    #: Unit of positions in these equations [m]: approach at a contact under the sum of all contact loads.
-    position_unit: float
-    #: Direction, along x3 and z3, of the contact force on the first, then on the second of two touching balls (2, 2).
-    ball_force_directions: Array
-    #: Directions of the two tangents of the contact of two balls, along x3 and z3 of the first, then of the second ball (2,
-    #: 2, 2).
-    tangent_directions: Array
-    #: Displacement of the screw along x3, y3, z3 at each ball per unit of each motion u ``(N, 3, m)``.
-    screw_displacement_maps: Array
+    #: Balls between screw and nut, with the forces on the screw.
+    cell: BallsBetweenGrooves
+    #: Chain of the resting balls under the present contact loads, and its scales.
+    search: BalanceSearch
+
+    @classmethod
+    def at_positions(cls, cell: BallsBetweenGrooves, slack: Array, ball: Array, screw: Array) -> LoadsAndMotionSystem:
+        """Return the system scaled at the contact loads after displacements of balls and screw [m].
+
+        ``slack``: largest rate at which the difference of the azimuths of balls k and k + 1 may decrease ``(N,)`` [rad/s].
+        """
+        at = normal_forces(arrays_for_contact_loads(cell), ball, screw)
+        chain = screw_ball_chain(cell.groove, at.force, np.insert(at.normal, 1, 0.0, axis=-1), slack)
+        return cls(cell, BalanceSearch(chain))
+
+    @cached_property
+    def arrays(self) -> BallContactArrays:
+        """Geometry, stiffness and loads of the balls."""
+        return arrays_for_contact_loads(self.cell)
+
+    @property
+    def force_unit(self) -> float:
+        """Unit of force in these equations [N]: the largest friction bound of a ball."""
+        return float(self.search.bound)
+
+    @cached_property
+    def position_unit(self) -> float:
+        """Unit of positions in these equations [m]: approach at a contact under the sum of all contact loads."""
+        total = float(self.search.chain.force[self.search.loaded].sum())
+        return float(np.max(self.cell.groove.contact_hertz_constants.C) * max(total, 1e-30) ** (2.0 / 3.0))
+
+    @property
+    def units(self) -> Array:
+        """Units of all unknowns of the system and of the part of the way ``(7 N + m + 1,)``."""
+        n, m = self.search.count, self.cell.screw_displacement_maps.shape[2]
+        unknowns = LoadsAndMotionUnknowns(np.ones((n, 2)), np.ones(m), np.ones((n, 4)), np.full(n, self.force_unit))
+        return np.append(unknowns.in_units(1.0 / self.position_unit), 1.0)
 
 
 class LoadsAndMotionUnknowns(NamedTuple):
@@ -111,23 +130,24 @@ def groove_forces(system: LoadsAndMotionSystem, at: LoadsAndMotionUnknowns, shar
     by its part along n, and n by its part along m over the distance of the centres; F also changes the semi-axes, which
     grow with F^(1/3), and n changes R.
     """
-    groove, (F, stiffness, n, distance) = system.groove, normal_forces(system.cell, at.ball, at.screw)
+    groove, (F, stiffness, n, distance) = system.cell.groove, normal_forces(system.arrays, at.ball, at.screw)
     m = np.stack([n[..., 1], -n[..., 0]], axis=-1)
-    rest, *by_normal = groove.contact_map_coefficients
+    (rest, *by_normal), body_motion = groove.affine_contact_maps
+    h, speed = groove.contact_hertz_constants, groove.speed_along_path
     turned = np.tensordot(m, by_normal, 1)  # change of R as n turns
     R = rest + np.tensordot(n, by_normal, 1)
-    x = at.motion[:, None, :] - groove.body_motion
+    x = at.motion[:, None, :] - body_motion
     v, v_turned = ((rows @ x[..., None])[..., 0] for rows in (R, turned))
     root = np.cbrt(np.where(F > 0.0, F, 1.0))
-    D = dissipation_ratio(groove.C_a * root, groove.C_b * root, v, eps * groove.speed)
-    rubs = ((F > 0.0) & system.balls.loaded[:, None])[..., None]  # other contacts have no friction
+    D = dissipation_ratio(h.C_a * root, h.C_b * root, v, eps * speed)
+    rubs = ((F > 0.0) & system.search.loaded[:, None])[..., None]  # other contacts have no friction
     g, H = D.gradient * rubs, D.hessian * rubs[..., None]
     # d(F g)/dF = g + F dg/dF, from D(s a, s b, vx, vz, spin) = D(a, b, vx, vz, s spin) for any factor s of the semi-axes
     spin, about_normal = v[..., 2:], np.array([0.0, 0.0, 1.0])
     by_force = g + (spin * H[..., 2] + g * about_normal) / 3.0
     H_R = np.swapaxes(H @ R, -1, -2)  # axes ball, contact, motion, component
     H_turned = (H @ v_turned[..., None])[..., 0]
-    mu = system.groove_mu
+    mu = groove.mu or 1.0
     bound = mu * F[..., None]
 
     def pull_on_ball(pull: Array, rows: Array) -> Array:
@@ -136,17 +156,17 @@ def groove_forces(system: LoadsAndMotionSystem, at: LoadsAndMotionUnknowns, shar
         ``rows``: matrix by which the motion of the ball gives that of the contact.
         """
         across, along = share * pull[..., :1] * m, share * pull[..., 1]
-        return effect_of_contact(across, along, (np.swapaxes(rows, -1, -2) @ pull[..., None])[..., 0] / groove.speed)
+        return effect_of_contact(across, along, (np.swapaxes(rows, -1, -2) @ pull[..., None])[..., 0] / speed)
 
     no_motion = np.zeros((*F.shape, 4))
     push, aside, turned_pull = (effect_of_contact(d, 0.0 * F, no_motion) for d in (n, m, share * g[..., :1] * n))
     value = F[..., None] * push + bound * pull_on_ball(g, R)
     along_n = stiffness[..., None] * (push + mu * pull_on_ball(by_force, R))
     along_m = F[..., None] * aside + bound * (pull_on_ball(H_turned, R) - turned_pull)
-    along_m[..., BY_MOTION] += bound * (np.swapaxes(turned, -1, -2) @ g[..., None])[..., 0] / groove.speed
+    along_m[..., BY_MOTION] += bound * (np.swapaxes(turned, -1, -2) @ g[..., None])[..., 0] / speed
     by_position = along_n[..., None] * n[..., None, :] + (along_m / distance[..., None])[..., None] * m[..., None, :]
     by_motion = bound[..., None] * effect_of_contact(
-        share * H_R[..., :1] * m[..., None, :], share * H_R[..., 1], H_R @ R / groove.speed
+        share * H_R[..., :1] * m[..., None, :], share * H_R[..., 1], H_R @ R / speed
     )
     by_screw = -by_position[:, ON_SCREW].sum(axis=1)
     return GrooveForces(value.sum(axis=1), by_position.sum(axis=1), by_screw, np.swapaxes(by_motion.sum(axis=1), 1, 2))
@@ -192,7 +212,8 @@ class LoadsAndMotionEquations(NamedTuple):
 
 def levers_on_loads_and_motion(system: LoadsAndMotionSystem, share: float) -> NeighbourLevers:
     """Return the effects of the force between two balls on the six equations of each: its force balance and its motion."""
-    track, normal, tangents = system.groove.track, system.ball_force_directions, system.tangent_directions
+    track, pair, in_section = system.search.track, system.cell.groove.pair, [0, 2]
+    normal, tangents = pair.force_directions[:, in_section], pair.tangent_directions[..., in_section]
     return NeighbourLevers(
         first_normal=np.append(-share * normal[0], track.approach),
         first_tangents=np.hstack([share * tangents[0], track.first_ball_surface_speeds]),
@@ -205,9 +226,9 @@ def loads_and_motion_equations(
     system: LoadsAndMotionSystem, at: LoadsAndMotionUnknowns, share: float, eps: float
 ) -> LoadsAndMotionEquations:
     """Return residual and Jacobian of the equations for contact loads and motion; the loads on the screw are the cell's."""
-    cell, track, unit = system.cell, system.groove.track, system.force_unit
-    balls, f = system.balls.moved(track, at.motion), at.ball_force
-    length, maps = system.position_unit, system.screw_displacement_maps
+    cell, track, unit = system.arrays, system.search.track, system.force_unit
+    balls, f = system.search.in_motion(at.motion), at.ball_force
+    length, maps = system.position_unit, system.cell.screw_displacement_maps
     own = groove_forces(system, at, share, eps)
     value, by_motion = own.value / unit, own.by_motion / unit
     by_position, by_screw = (values * length / unit for values in (own.by_position, own.by_screw))
@@ -244,7 +265,7 @@ def solve_linear_equations(
     own, i = now.ring.own.copy(), np.arange(2)
     floor = max(FLOOR * float(own[:, i, i].max()), 1e-300)
     own[:, i, i] += floor
-    cut = neighbours.cut_at_open_gaps(system.balls.moved(system.groove.track, at.motion), at.ball_force)
+    cut = neighbours.cut_at_open_gaps(system.search.in_motion(at.motion), at.ball_force)
     of_balls = np.concatenate([now.balls_by_screw, sides[: 7 * n].reshape(n, 7, -1)], axis=2)
     both, _ = neighbours.solve_rings_cut_open(now.ring._replace(own=own), of_balls, cut)
     by_screw, alone = both[..., :m], both[..., m:]
@@ -260,32 +281,3 @@ def newton_step(
     """Return Newton's step of all unknowns, with positions in m."""
     step = solve_linear_equations(system, at, now, -now.residual[:, None])[:, 0]
     return LoadsAndMotionUnknowns.from_units(step, at.ball_force.size, system.position_unit)
-
-
-def solve_loads_and_motion_by_newton(
-    system: LoadsAndMotionSystem, start: LoadsAndMotionUnknowns, share: float, eps: float, goal: float, limit: int
-) -> tuple[LoadsAndMotionUnknowns, float, int]:
-    """Solve contact loads and motion of the balls as one system; return the unknowns, the residual and the number of steps.
-
-    A step is halved until the residual falls. The iteration ends when the residual (root of the sum of squares) is at most
-    ``goal``, after ``limit`` steps, or when no step lets the residual fall.
-    """
-    at, reach = start, system.cell.groove_ball_centre_distance
-    now = loads_and_motion_equations(system, at, share, eps)
-    for count in range(limit):
-        if now.size <= goal:
-            return at, now.size, count
-        step = newton_step(system, at, now)
-        moved = max(float(np.abs(step.ball).max()), float(np.abs(step.screw).max(initial=0.0)))
-        turned = float(np.abs(step.motion).max())
-        length = min(1.0, REACH / max(turned, 1e-300), LONGEST_STEP * reach / max(moved, 1e-300))
-        for _ in range(30):
-            trial = at.moved(step, length)
-            new = loads_and_motion_equations(system, trial, share, eps)
-            if new.size < (1.0 - 0.1 * length) * now.size:
-                break
-            length *= 0.5
-        else:
-            return at, now.size, count + 1
-        at, now = trial, new
-    return at, now.size, limit

@@ -188,7 +188,7 @@ def nut_positions_at_start_and_end(scene: Scene) -> Array:
 class SceneGrooves(losses.BallKinematics, groove.GroovesInMotion):
     """Grooves of a scene without geometric errors, with the speeds of screw and nut and with friction.
 
-    One object is used in a whole simulation, because its kinematics in scaled units are cached (`scaled_groove`).
+    One object is used in a whole simulation, because its kinematics in scaled units are cached (`GroovesInMotion.scaled`).
     """
 
     #: Larger one of the coefficients of friction of the screw's and the nut's grooves.
