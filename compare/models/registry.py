@@ -23,8 +23,8 @@ from rollbench.meshes.parts import Scene, UnfitKey
 
 if TYPE_CHECKING:
     from rollbench.lowfi.compliance.bodies import CondensedCompliance
-    from rollbench.lowfi.statics.equilibrium import Solving
     from rollbench.lowfi.statics.result import AxisResult, StaticResult
+    from rollbench.lowfi.together import Search
 
 #: Number of balls of a scene that is solved alone; of scenes with a tenth of it a hundred are solved together, in as much
 #: memory.
@@ -343,7 +343,7 @@ def run_model_on_scenes(scenes: Sequence[Scene | Assembly], name: str) -> list[S
     """
     singles = [scene for scene in scenes if isinstance(scene, Scene)]
     if name in MODELS and MODELS[name].compliances and len(singles) == len(scenes):
-        from rollbench.lowfi.statics.equilibrium import solve_together
+        from rollbench.lowfi.together import solve_together
 
         size = max(1, int(LARGEST_TOGETHER / max((scene.ball_count for scene in singles), default=1)) ** 2)
         found: list[StaticResult | AxisResult | InputError] = []
@@ -360,7 +360,7 @@ def run_model_on_scenes(scenes: Sequence[Scene | Assembly], name: str) -> list[S
     return found
 
 
-def _solving(model: Model, scene: Scene) -> Solving[StaticResult | InputError]:
+def _solving(model: Model, scene: Scene) -> Search[StaticResult | InputError]:
     """Compute the result of a scene by a model of `LADDER`, or the error of `run_model`, together with other scenes."""
     from rollbench.lowfi.compliance.parts import LADDER
     from rollbench.lowfi.statics.static import elastic_solution

@@ -39,7 +39,6 @@ from rollbench.lowfi.statics.equilibrium import (
     DenseBodies,
     FreeMotions,
     Outcome,
-    Solving,
     StaticSystem,
     evaluated,
     newton_step,
@@ -63,6 +62,7 @@ from rollbench.lowfi.statics.selection import (
 )
 from rollbench.lowfi.statics.settle import FORCE_SETTLED, ResidualScale
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS, model_assumptions
+from rollbench.lowfi.together import Search
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import GeometryWithErrors
 from rollbench.meshes.helix import BallLayout
@@ -171,7 +171,7 @@ class SingleNutEquations(settle.StaticEquations):
         """
         return only_flank_pair(self.problem)
 
-    def solve_by_newton(self, from_linear: bool = True) -> Solving[Outcome]:
+    def solve_by_newton(self, from_linear: bool = True) -> Search[Outcome]:
         """Solve the equilibrium by Newton's method with the present Hertz constants.
 
         Parameters

@@ -19,9 +19,10 @@ that has ended leaves the iteration.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeVar
+from functools import cached_property
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -34,9 +35,9 @@ from rollbench.lowfi.statics.rolling_elements import (
     forces_of_elements,
     stiffness_factors,
 )
+from rollbench.lowfi.together import Task
 from rollbench.meshes.arrays import Array, Mask
 
-T = TypeVar("T")
 #: Function from vectors ``(n, c)`` to their products with a matrix.
 Matrix = Callable[[Array], Array]
 #: How an iteration ended: converged, too many iterations, body moved without limit, stiffness not positive definite.
@@ -326,11 +327,6 @@ class Outcome(NamedTuple):
         return Outcome(*(x[member].item() for x in self))
 
 
-#: A computation that needs equilibria, one after the other: it yields the system of each, of one member, with its start
-#: (see `find_equilibrium`), and is sent the state and how the iteration ended. `solve_together` runs it.
-Solving = Generator[tuple[StaticSystem, tuple[Array, Array] | None], tuple[ForceState, Outcome], T]
-
-
 def state_at(system: StaticSystem, phi: Array, a: Array) -> ForceState:
     """Return the state with the forces ``phi`` on the flanks and the amplitudes ``a`` of the free motions."""
     elastic = system.bodies.motions_by_forces(phi)
@@ -518,38 +514,28 @@ def stacked(records: Any) -> Any:
     return type(first)(**{name: stacked([getattr(r, name) for r in records]) for name in field_names(first)})
 
 
-def solve_together(solvings: Sequence[Solving[T]]) -> list[T]:
-    """Return the results of several computations; equilibria of equal form that they need are found as members of one.
+class EquilibriumTask(Task):
+    """Task to find the equilibrium of a system of one member; tasks with systems of equal form are members of one.
 
-    The result of a computation depends on the others by round-off only.
+    Its result is the state, and how the iteration ended. It depends on the other members by round-off only.
     """
-    found: dict[int, T] = {}
-    answers: dict[int, Any] = dict.fromkeys(range(len(solvings)))
-    while answers:
-        alike: dict[Hashable, list[tuple[int, StaticSystem, tuple[Array, Array] | None]]] = {}
-        for k, answer in answers.items():
-            try:
-                system, start = solvings[k].send(answer)
-            except StopIteration as end:
-                found[k] = end.value
-            else:
-                alone = k if system.block == 1 else None
-                alike.setdefault((alone, start is None, _form(system)), []).append((k, system, start))
-        answers = {}
-        for members in alike.values():
-            size = members[0][1].block
-            for some in (members[first : first + size] for first in range(0, len(members), size)):
-                numbers, systems, starts = zip(*some, strict=True)
-                begin: Any = starts[0] and tuple(map(np.concatenate, zip(*starts, strict=True)))
-                state, outcome = find_equilibrium(systems[0] if len(systems) == 1 else stacked(systems), begin)
-                for i, k in enumerate(numbers):
-                    answers[k] = state.take(np.array([i])), outcome.of_member(i)
-    return [found[k] for k in range(len(solvings))]
 
+    def __init__(self, system: StaticSystem, start: tuple[Array, Array] | None) -> None:
+        """Ask for the equilibrium of a ``system`` from a ``start``, see `find_equilibrium`."""
+        self.system, self.start = system, start
 
-def solve_alone(solving: Solving[T]) -> T:
-    """Return the result of one computation that needs equilibria."""
-    return solve_together([solving])[0]
+    @cached_property
+    def likeness(self) -> Hashable:
+        """Value that is the same for systems of equal form; systems that are worked alone have one of their own."""
+        return id(self) if self.system.block == 1 else None, self.start is None, _form(self.system)
+
+    @classmethod
+    def solve(cls, tasks: Sequence[Self]) -> list[tuple[ForceState, Outcome]]:
+        """Return the state and the outcome of each task."""
+        systems = [task.system for task in tasks]
+        start: Any = tasks[0].start and tuple(map(np.concatenate, zip(*(task.start or () for task in tasks), strict=True)))
+        state, outcome = find_equilibrium(systems[0] if len(systems) == 1 else stacked(systems), start)
+        return [(state.take(np.array([i])), outcome.of_member(i)) for i in range(len(tasks))]
 
 
 def _form(record: Any) -> Hashable:

@@ -35,7 +35,6 @@ from rollbench.lowfi.statics.equilibrium import (
     Limits,
     StaticSystem,
     find_equilibrium,
-    solve_alone,
     stacked,
 )
 from rollbench.lowfi.statics.problem import PlacedBalls, place_balls
@@ -48,6 +47,7 @@ from rollbench.lowfi.statics.selection import (
 )
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix
+from rollbench.lowfi.together import solve_alone
 from rollbench.meshes import errors
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.helix import ball_layout

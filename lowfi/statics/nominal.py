@@ -16,9 +16,9 @@ import numpy as np
 from rollbench.lowfi.compliance.bodies import WholeBody, compliance_between_contacts
 from rollbench.lowfi.compliance.parts import LADDER, ComplianceModel
 from rollbench.lowfi.statics import static
-from rollbench.lowfi.statics.equilibrium import solve_alone
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.settle import contact_angles
+from rollbench.lowfi.together import solve_alone
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
 from rollbench.meshes.helix import BallLayout, ball_layout

@@ -22,14 +22,15 @@ from rollbench.lowfi.statics.equilibrium import (
     ITERATIONS,
     NOT_HELD,
     SINGULAR,
+    EquilibriumTask,
     ForceState,
     Limits,
     Outcome,
-    Solving,
     StaticSystem,
 )
 from rollbench.lowfi.statics.problem import ContactState, Problem
 from rollbench.lowfi.statics.result import SolverReport, Status
+from rollbench.lowfi.together import Search
 from rollbench.meshes.arrays import Array
 
 #: Formulation of a solution, as the record of a result states it.
@@ -110,7 +111,7 @@ class StaticEquations(ABC):
         assert self._state is not None
         return self._state
 
-    def solve_by_newton(self, from_linear: bool = True) -> Solving[Outcome]:
+    def solve_by_newton(self, from_linear: bool = True) -> Search[Outcome]:
         """Solve the equilibrium by Newton's method while Hertz constants and lever arms stay constant.
 
         Parameters
@@ -119,7 +120,8 @@ class StaticEquations(ABC):
             Whether to start from the solution with linear springs in place of the contacts; otherwise from the present
             state.
         """
-        self._state, outcome = yield self.system, None if from_linear else (self.state.phi, self.state.a)
+        outcome: Outcome
+        self._state, outcome = yield EquilibriumTask(self.system, None if from_linear else (self.state.phi, self.state.a))
         self.residual_force_scale = outcome.scale
         return outcome
 
@@ -196,7 +198,7 @@ def is_solve_accepted(outcome: Outcome, round_off_residual: float) -> bool:
     return outcome.residual <= max(ACCEPTED, round_off_residual) and outcome.status in (CONVERGED, ITERATIONS)
 
 
-def solve_with_updated_contacts(system: P, follow_profile_errors: bool = True) -> Solving[tuple[P, Outcome]]:
+def solve_with_updated_contacts(system: P, follow_profile_errors: bool = True) -> Search[tuple[P, Outcome]]:
     """Solve the equilibrium again and again with updated properties of the contacts, until they no longer change.
 
     These are the typical contact force, Hertz constants and lever arms.
@@ -305,7 +307,7 @@ def solver_report(
     )
 
 
-def update_typical_force(system: P, outcome: Outcome) -> Solving[tuple[P, Outcome]]:
+def update_typical_force(system: P, outcome: Outcome) -> Search[tuple[P, Outcome]]:
     """Take the typical contact force from the solution and solve again, until it no longer changes.
 
     Returns the equations with the last typical force at their solution, and the outcome of the last solve.
@@ -327,7 +329,7 @@ def update_typical_force(system: P, outcome: Outcome) -> Solving[tuple[P, Outcom
     return system, outcome
 
 
-def update_hertz_constants(system: StaticEquations, outcome: Outcome) -> Solving[Outcome]:
+def update_hertz_constants(system: StaticEquations, outcome: Outcome) -> Search[Outcome]:
     """Update the Hertz constants to the actual contact angles and solve again, until they no longer change.
 
     Returns the outcome of the last solve, with the iterations of all solves added up. The equations ``system`` then hold
@@ -356,7 +358,7 @@ def update_hertz_constants(system: StaticEquations, outcome: Outcome) -> Solving
     return outcome
 
 
-def update_lever_arms(system: P, outcome: Outcome) -> Solving[tuple[P, Outcome]]:
+def update_lever_arms(system: P, outcome: Outcome) -> Search[tuple[P, Outcome]]:
     """Update the lever arms of the contact forces and solve again, until they no longer change.
 
     A contact force acts through the centre of curvature of the flank at the contact point. If the flank deviates from a

@@ -16,11 +16,12 @@ import numpy as np
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, ComplianceModel
 from rollbench.lowfi.statics import held, selection, settle
 from rollbench.lowfi.statics.equations import SingleNutEquations, StaticInput
-from rollbench.lowfi.statics.equilibrium import Outcome, Solving, solve_alone
+from rollbench.lowfi.statics.equilibrium import Outcome
 from rollbench.lowfi.statics.held import UnresistedMotions, find_unresisted_motions
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.result import StaticResult, Status
 from rollbench.lowfi.statics.summary import assemble_result, failed_result
+from rollbench.lowfi.together import Search, solve_alone
 from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import FREEDOMS, Scene
@@ -76,7 +77,7 @@ class UnrestrainedProblem(NamedTuple):
         return Status("not held", self.unresisted_motions.description)
 
 
-def solve_with_chosen_flanks(problem_input: StaticInput) -> Solving[SolvedEquations | UnrestrainedProblem]:
+def solve_with_chosen_flanks(problem_input: StaticInput) -> Search[SolvedEquations | UnrestrainedProblem]:
     """Solve a ball screw with contacts on the chosen flanks, and if need be again with all flanks.
 
     It is solved again if the solver fails, or if a ball of the solution touches a flank that was left out.
@@ -187,7 +188,7 @@ def elastic_solution(
     everything: bool = False,
     member: int = 0,
     refine: int = 1,
-) -> Solving[StaticResult]:
+) -> Search[StaticResult]:
     """Compute contact loads, contact angles and shaft motion of a ball screw with elastic bodies in static equilibrium.
 
     Several such computations can be run together (`solve_together`).
@@ -237,7 +238,7 @@ def elastic_solution(
     return (yield from with_note_on_pins(result, solved))
 
 
-def with_note_on_pins(result: StaticResult, solved: SolvedEquations) -> Solving[StaticResult]:
+def with_note_on_pins(result: StaticResult, solved: SolvedEquations) -> Search[StaticResult]:
     """Return the result with a note on how much the contact loads depend on the choice of pins.
 
     A pin is a degree of freedom that the model fixes because neither load nor support determines it. The result is returned

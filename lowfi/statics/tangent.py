@@ -26,13 +26,14 @@ import numpy as np
 
 from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
 from rollbench.lowfi.statics.equations import SingleNutEquations, StaticInput
-from rollbench.lowfi.statics.equilibrium import Compliances, DenseBodies, small_response, solve_alone
+from rollbench.lowfi.statics.equilibrium import Compliances, DenseBodies, small_response
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.rolling_elements import stiffness_factors
 from rollbench.lowfi.statics.selection import choose_flanks, flanks_of_scene
 from rollbench.lowfi.statics.shaft import flank_motion_coefficients
 from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix
 from rollbench.lowfi.statics.static import UnrestrainedProblem, solve_with_chosen_flanks
+from rollbench.lowfi.together import solve_alone
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout

@@ -10,8 +10,9 @@ from tests.helpers import FLANK_ERRORS, relative, small_screw
 from tests.static_problems import SCENES, elastic_equations
 
 from rollbench.lowfi.compliance.parts import LADDER
-from rollbench.lowfi.statics.equilibrium import find_equilibrium, solve_alone
+from rollbench.lowfi.statics.equilibrium import find_equilibrium
 from rollbench.lowfi.statics.static import solve_static
+from rollbench.lowfi.together import solve_alone
 
 HELD = (("ux", 0.0), ("uz", 0.0), ("rx", 0.0))
 

@@ -14,8 +14,8 @@ from rollbench.lowfi.statics.axis import solve, system
 from rollbench.lowfi.statics.axis.equations import assembly_equations
 from rollbench.lowfi.statics.axis.held import pin_unresisted_motions, unresisted_motions
 from rollbench.lowfi.statics.equations import StaticInput
-from rollbench.lowfi.statics.equilibrium import solve_alone
 from rollbench.lowfi.statics.selection import choose_flanks
+from rollbench.lowfi.together import solve_alone
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout

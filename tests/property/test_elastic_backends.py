@@ -12,8 +12,9 @@ from tests.static_problems import elastic_equations
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, fixed_surface
-from rollbench.lowfi.statics.equilibrium import find_equilibrium, solve_alone, state_at
+from rollbench.lowfi.statics.equilibrium import find_equilibrium, state_at
 from rollbench.lowfi.statics.static import solve_elastic
+from rollbench.lowfi.together import solve_alone
 from rollbench.meshes.parts import BallErrors, Errors, Load, Support
 
 pytestmark = pytest.mark.xdist_group("random scenes")

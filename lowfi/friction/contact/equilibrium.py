@@ -25,7 +25,7 @@ from rollbench.lowfi.friction.contact.laws import ContactFriction, EllipticalCon
 from rollbench.lowfi.friction.contact.least_dissipation import FrictionalBodies, least_dissipation_of_bodies
 from rollbench.lowfi.friction.contact.loads import minimise_energy, one_group
 from rollbench.lowfi.friction.contact.normal_force import BallContactArrays
-from rollbench.lowfi.friction.together import Task
+from rollbench.lowfi.together import Task
 from rollbench.meshes.arrays import Array, Mask
 
 #: Largest unbalanced force, divided by the sum of all forces, up to which contact loads count as converged.

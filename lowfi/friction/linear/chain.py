@@ -38,7 +38,7 @@ from rollbench.lowfi.friction.screw.chain import (
     solve_motion_of_chain,
 )
 from rollbench.lowfi.friction.screw.groove import TouchingBallsGeometry, TrackInMotion, contact_axes
-from rollbench.lowfi.friction.together import Search, solve_together
+from rollbench.lowfi.together import Search, solve_together
 from rollbench.meshes.arrays import Array, Mask
 
 #: Least difference of the ball-to-ball forces by which two equilibria of a row count as different, divided by the largest

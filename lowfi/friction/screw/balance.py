@@ -17,7 +17,7 @@ from rollbench.lowfi.friction.screw import neighbours
 from rollbench.lowfi.friction.screw.groove import ScaledTrack
 from rollbench.lowfi.friction.screw.neighbours import Complementarity, RingMatrix, ScaledBalls, Sliding
 from rollbench.lowfi.friction.screw.path import PathPoint
-from rollbench.lowfi.friction.together import Search, Task
+from rollbench.lowfi.together import Search, Task
 from rollbench.meshes.arrays import Array
 
 #: Largest Newton step of a ball's surface speeds, as a fraction of the nut's speed along the path: farther away, friction

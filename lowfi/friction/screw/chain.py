@@ -21,7 +21,7 @@ from rollbench.lowfi.friction.screw import groove as screw_groove
 from rollbench.lowfi.friction.screw import motion as screw_motion
 from rollbench.lowfi.friction.screw.neighbours import ScaledBalls
 from rollbench.lowfi.friction.screw.path import follow_path
-from rollbench.lowfi.friction.together import Search, Task, solve_alone
+from rollbench.lowfi.together import Search, Task, solve_alone
 from rollbench.meshes.arrays import Array, Mask
 
 #: Regularising speeds of friction as fractions of the speed of the moving groove, from the first to the last.

@@ -30,7 +30,7 @@ from rollbench.lowfi.friction.screw.chain import (
 )
 from rollbench.lowfi.friction.screw.joint import LoadsAndMotionSystem, LoadsAndMotionUnknowns
 from rollbench.lowfi.friction.screw.path import ON_PATH, PathPoint, follow_path
-from rollbench.lowfi.friction.together import Search
+from rollbench.lowfi.together import Search
 from rollbench.meshes.arrays import Array
 
 #: Number of rounds, in which contact loads and friction are solved in turn, after which both are solved as one system.

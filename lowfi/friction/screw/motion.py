@@ -20,8 +20,8 @@ from rollbench.lowfi.friction.contact import equilibrium
 from rollbench.lowfi.friction.contact.laws import EllipticalContacts, SigmoidLaw, contacts_from_values
 from rollbench.lowfi.friction.contact.normal_force import BallContactArrays
 from rollbench.lowfi.friction.screw import groove as screw_groove
-from rollbench.lowfi.friction.together import Search, solve_alone
 from rollbench.lowfi.statics.settle import contact_angles
+from rollbench.lowfi.together import Search, solve_alone
 from rollbench.meshes.arrays import Array, Mask
 
 

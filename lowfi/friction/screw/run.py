@@ -20,7 +20,7 @@ from rollbench.lowfi.friction.screw import motion as screw_motion
 from rollbench.lowfi.friction.screw.coupled import CoupledChainSolution, IterationStart, search_coupled_chain
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.travel import BallState, ClosedTrack, InstantSolution, TravelHistory, travel
-from rollbench.lowfi.friction.together import Search, solve_alone, solve_together
+from rollbench.lowfi.together import Search, solve_alone, solve_together
 from rollbench.meshes.arrays import Array, Index, Mask
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.record_keys import frozen_default, frozen_record

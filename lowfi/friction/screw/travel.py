@@ -18,7 +18,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 
 from rollbench.lowfi.friction.screw.groove import HelicalMotion
-from rollbench.lowfi.friction.together import Search, solve_alone
+from rollbench.lowfi.together import Search, solve_alone
 from rollbench.meshes.arrays import Array, Index, Mask
 
 

@@ -14,13 +14,13 @@ import numpy as np
 from rollbench.lowfi.friction.screw import groove
 from rollbench.lowfi.friction.screw.chain import BallChain, ChainMotion, search_motion_of_chain
 from rollbench.lowfi.friction.screw.travel import ClosedTrack
-from rollbench.lowfi.friction.together import Search
 from rollbench.lowfi.friction.whole import losses
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_result
 from rollbench.lowfi.friction.whole.torque import ONE_TURN, axial_forces_and_moments
 from rollbench.lowfi.hertz import HertzConstants
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.together import Search
 from rollbench.meshes.arrays import Array, Index, Mask
 from rollbench.meshes.errors import ErrorsAfterDrawing, draw_ball_radii
 from rollbench.meshes.helix import BallLayout, ball_layout_at_positions, lead_per_radian

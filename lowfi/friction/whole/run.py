@@ -18,7 +18,6 @@ from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
 from rollbench.lowfi.friction.screw.chain import ChainMotion
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.lowfi.friction.screw.travel import BallState, InstantSolution
-from rollbench.lowfi.friction.together import Search, SideBySide
 from rollbench.lowfi.friction.whole.circuit import BallsInCircuits, search_motion_on_track
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_all_balls, contacts_of_solution
 from rollbench.lowfi.friction.whole.feedback import (
@@ -30,6 +29,7 @@ from rollbench.lowfi.friction.whole.losses import BallsUnderLoad
 from rollbench.lowfi.friction.whole.torque import axial_forces_and_moments, friction_displaces_balls
 from rollbench.lowfi.statics.nominal import ContactLoads, contact_loads
 from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.together import Search, SideBySide
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import ErrorsAfterDrawing, GeometryWithErrors
 from rollbench.meshes.helix import BallLayout, ball_layout_at_positions, lead_per_radian

@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rollbench.lowfi.friction.together import solve_together
 from rollbench.lowfi.friction.whole import feedback, heathcote, losses
 from rollbench.lowfi.friction.whole import torque as whole_torque
 from rollbench.lowfi.friction.whole.circuit import balls_in_circuits, search_motion_on_track
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_all_balls, contacts_of_result
 from rollbench.lowfi.friction.whole.losses import BallsUnderLoad
 from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.together import solve_together
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw_errors, draw_geometry_with_errors
 from rollbench.meshes.parts import Friction, Scene

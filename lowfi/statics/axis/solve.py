@@ -16,9 +16,9 @@ from rollbench.lowfi.statics.axis.equations import assembly_equations, grooved_s
 from rollbench.lowfi.statics.axis.held import pin_unresisted_motions, status_of_runaway_assembly, unresisted_motions
 from rollbench.lowfi.statics.axis.mount import PreloadShifts, find_axial_preload_shifts, replace_preload_forces_by_offsets
 from rollbench.lowfi.statics.axis.system import AssemblyArrays
-from rollbench.lowfi.statics.equilibrium import solve_alone
 from rollbench.lowfi.statics.result import HEAT, AxisResult, SolverReport, Status
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
+from rollbench.lowfi.together import solve_alone
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.cache import cached_on_disk

@@ -14,7 +14,8 @@ from rollbench.compare.scenes import scene_file
 from rollbench.lowfi.statics.axis import solve
 from rollbench.lowfi.statics.axis.equations import assembly_equations
 from rollbench.lowfi.statics.axis.system import build_assembly_arrays
-from rollbench.lowfi.statics.equilibrium import NOT_HELD, solve_alone
+from rollbench.lowfi.statics.equilibrium import NOT_HELD
+from rollbench.lowfi.together import solve_alone
 from rollbench.meshes.axis import Housing, RollingSet
 from rollbench.meshes.parts import Load
 

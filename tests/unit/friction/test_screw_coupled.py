@@ -9,7 +9,7 @@ from tests.friction_oracles import ball_cell
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.screw import coupled, motion
 from rollbench.lowfi.friction.screw.run import Pair, ScrewPairSolution, solve_pair_of_screw_balls
-from rollbench.lowfi.friction.together import solve_alone, solve_together
+from rollbench.lowfi.together import solve_alone, solve_together
 
 #: One of the cases below: the way with the first regularising speed ends in a fold.
 FOLD = (0.0011870711354544847, 1.1600932507239492e-07, (2.7421699016943855, 0.6621765470335923), 0.06644672659308906)
