@@ -1,9 +1,9 @@
 """Searches that run side by side: what several of them ask for at the same time is computed as arrays in one go.
 
-A search is written for one screw, shaft or chain of balls. It is a generator that yields tasks (the equations that it
-wants to be solved next), receives their results, and returns its own result. `solve_together` runs several searches, for instance those of
-simulations over time that differ in one value only, and solves alike tasks in one call: an operation on an array of a few
-dozen balls costs hardly less than one on a few hundred.
+A search is written for one screw, shaft or chain of balls. It is a generator that yields tasks (the equations that it wants
+to be solved next), receives their results, and returns its own result. `solve_together` runs several searches, for instance
+those of simulations over time that differ in one value only, and solves alike tasks in one call: an operation on an array
+of a few dozen balls costs hardly less than one on a few hundred.
 """
 
 from __future__ import annotations

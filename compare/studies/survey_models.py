@@ -44,11 +44,10 @@ from rollbench.compare.running import usable_cores
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import survey
 from rollbench.compare.studies.run_times import measuring_conditions_from_json, save_times, utc_date_today
-from rollbench.lowfi.statics.contacts import clear_nominal_caches
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
-from rollbench.lowfi.statics.response import clear_compliance_caches
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
+from rollbench.meshes.cache import forget_kept
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.processes import limit_to_one_thread
@@ -636,8 +635,7 @@ def solve_and_time(number: int, name: str) -> TimedRun:
     else:
         options = ModelOptions(estimate_beam_mesh_error=False)
         run_model(cases[0], name, options)  # imports
-        clear_compliance_caches()
-        clear_nominal_caches()
+        forget_kept()
         begin = process_time()
         result = run_model(cases[0], name, options)
         first = process_time()

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +30,7 @@ from rollbench.lowfi.compliance.between import EndWrenchMotions
 from rollbench.lowfi.compliance.parts import BOTH, REFINED, ComplianceModel
 from rollbench.lowfi.compliance.tube import clamped_beam_compliance, contact_motions_by_rigid_motions
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.cache import cached_on_disk
+from rollbench.meshes.cache import cached_on_disk, kept
 from rollbench.meshes.condensed import CondensedBodies, digest_of_geometry, read_condensed_bodies
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.one_arc import NEAR, has_single_arc_grooves
@@ -185,7 +185,7 @@ def compliance_between_contacts(
 WholeBody = Callable[[Scene, BallLayout, bool, ComplianceModel, Sequence[int]], Array]
 
 
-@lru_cache(maxsize=16)  # screws and nuts of eight sets on a shaft
+@kept(16)  # screws and nuts of eight sets on a shaft
 @cached_on_disk(StoredMotionMatrix)
 def _cached_compliance_between_contacts(scene: Scene, screw: bool, backend: ComplianceModel) -> StoredMotionMatrix:
     """Return the compliance between all contacts of screw or nut on both flanks, cached in memory and on disk.
@@ -195,7 +195,7 @@ def _cached_compliance_between_contacts(scene: Scene, screw: bool, backend: Comp
     return StoredMotionMatrix(between.compute_compliance_between_contacts(scene, ball_layout(scene), screw, backend))
 
 
-@lru_cache(maxsize=64)
+@kept(64)
 @cached_on_disk(float)
 def _cached_flank_compliance(geometry: Scene, screw: bool, backend: ComplianceModel) -> float:
     """Return the local compliance of a groove flank at a contact [m/N], cached in memory and on disk.
@@ -241,7 +241,7 @@ def screw_response_to_end_wrench(scene: Scene, layout: BallLayout, backend: Comp
     return between.screw_motions_by_end_wrench(geometry, layout, backend)
 
 
-@lru_cache(maxsize=64)
+@kept(64)
 @cached_on_disk(EndWrenchMotions)
 def _cached_response_to_end_wrench(scene: Scene, backend: ComplianceModel) -> EndWrenchMotions:
     """Return the result of `screw_response_to_end_wrench` for the balls of a scene, cached in memory and on disk."""
@@ -261,34 +261,11 @@ def screw_response_to_section_wrench(scene: Scene, layout: BallLayout, backend: 
     return between.screw_motions_by_section_wrench(geometry, layout, backend, section_z)
 
 
-@lru_cache(maxsize=64)
+@kept(64)
 @cached_on_disk(StoredMotionMatrix)
 def _cached_response_to_section_wrench(scene: Scene, backend: ComplianceModel, section_z: float) -> StoredMotionMatrix:
     """Return the result of `screw_response_to_section_wrench` for the balls of a scene, cached in memory and on disk."""
     return StoredMotionMatrix(between.screw_motions_by_section_wrench(scene, ball_layout(scene), backend, section_z))
-
-
-def clear_compliance_cache() -> None:
-    """Delete all compliances that are cached in memory, so that they do not shorten the next solution when it is timed."""
-    for memory in (
-        parts.reduce_to_compliance_geometry,
-        parts.compliance_geometry_with_balls,
-        parts.half_groove_of_body,
-        parts.fixed_surface,
-        parts.grooved_section,
-        parts.grooved_body_section,
-        between.compliance_of_smooth_body,
-        between.cached_tube_compliance,
-        between.cached_section_motions,
-        between.cached_groove_and_face_compliance,
-        between.grooved_ring_compliance,
-        _cached_flank_compliance,
-        between.groove_and_face_compliance_of_body,
-        _cached_compliance_between_contacts,
-        _cached_response_to_end_wrench,
-        _cached_response_to_section_wrench,
-    ):
-        memory.cache_clear()
 
 
 #: Names of the bodies in the file of a condensed 3D model, in addition to the balls.

@@ -21,7 +21,6 @@ from rollbench.lowfi.compliance.bodies import (
     compliance_between_contacts,
     negative_eigenvalue_part,
 )
-from rollbench.lowfi.compliance.bodies import clear_compliance_cache as forget_bodies
 from rollbench.lowfi.compliance.parts import ComplianceModel, compliance_geometry_with_balls
 from rollbench.lowfi.hertz import contact_stiffness_under_force
 from rollbench.lowfi.statics import shaft as statics_shaft
@@ -334,14 +333,6 @@ def _compute_compliance(
         on_body = (normals[:, :2].reshape(-1, 2), normals[:, 2:].reshape(-1, 2))
         solved = [ContactCompliance(*x) for x in zip(whole_bodies, on_body, strict=True)]
     return ScrewAndNutCompliance(shaft, (G[0], G[1]), tuple(solved), R, coupling, ball, e, h, slope, tuple(assumed))
-
-
-def clear_compliance_caches() -> None:
-    """Clear all caches of compliance, so that a timed solve that follows computes it again."""
-    forget_bodies()
-    cached_compliance.cache_clear()
-    contact_compliance.cache_clear()
-    statics_shaft.forget_beams()
 
 
 #: Largest number of balls with elastic bodies. As the compliance matrix between all contacts is dense, memory grows as the

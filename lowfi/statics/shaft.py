@@ -283,12 +283,6 @@ def flank_compliance(shaft: ShaftBeam, screw_flanks: list[int]) -> Array:
     return 0.5 * (G + G.T)
 
 
-def forget_beams() -> None:
-    """Delete all factors and compliances of beams that are kept in memory."""
-    _factor_beam_stiffness.cache_clear()
-    flank_compliance.cache_clear()
-
-
 def flank_motions_by_free_motions(shaft: ShaftBeam, screw_flanks: list[int]) -> Array:
     """Return the motions ``(2 c, k)`` of c screw flanks per metre of each free rigid motion, ordered as by loads.
 

@@ -12,9 +12,9 @@ from rollbench.compare.studies.survey import SEED, random_screw_scene_text
 from rollbench.lowfi.compliance import between, faces
 from rollbench.lowfi.compliance import parts as compliance_parts
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, half_space_compliance
-from rollbench.lowfi.compliance.bodies import clear_compliance_cache
 from rollbench.lowfi.compliance.fourier import BodyOfRevolution, QuadrilateralGrid, solve_harmonic_displacements
 from rollbench.lowfi.compliance.groove import forces_of_patch, sampled_harmonics
+from rollbench.meshes.cache import forget_kept
 from rollbench.meshes.helix import ball_layout
 
 pytestmark = pytest.mark.xdist_group("near face")
@@ -125,7 +125,7 @@ def test_beside_a_face_a_contact_is_as_small_as_it_is(monkeypatch):
     compliance = own(parts, 0)
     assert compliance[0] - compliance[15] == pytest.approx(-1.63, abs=0.12)
     monkeypatch.setattr(faces, "BESIDE_FACE", faces.BESIDE_FACE._replace(highest=16.0, mesh=(12, 8)))
-    clear_compliance_cache()
+    forget_kept()
     finer = own(parts, 0)
-    clear_compliance_cache()
+    forget_kept()
     assert compliance[0] - compliance[15] == pytest.approx(finer[0] - finer[15], abs=0.05)
