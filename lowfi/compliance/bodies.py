@@ -40,16 +40,6 @@ from rollbench.meshes.washers import has_washers
 
 
 @dataclass(frozen=True)
-class StoredMotionMatrix:
-    """Matrix of contact motions of screw or nut by unit loads, as cached; it is shared, so it must not be modified."""
-
-    #: Motions of all left contacts, then all right contacts, along the radial and the binormal axis each: by unit loads on
-    #: the contacts along the same axes ``(4 N, 4 N)`` [m/N], or by three forces and three moments of unit size on a
-    #: cross-section ``(4 N, 6)``.
-    G: Array
-
-
-@dataclass(frozen=True)
 class BodyCompliance:
     """Elastic compliance of the nut, or of the screw in addition to its beam, at c ball contacts."""
 
@@ -177,7 +167,7 @@ def compliance_between_contacts(
         return np.zeros((2 * len(flanks) * layout.z.size,) * 2)
     geometry, azimuths = parts.compliance_geometry_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
-        return parts.compliance_block_of_flanks(_cached_compliance_between_contacts(geometry, screw, backend).G, flanks)
+        return parts.compliance_block_of_flanks(_cached_compliance_between_contacts(geometry, screw, backend), flanks)
     return between.compute_compliance_between_contacts(geometry, layout, screw, backend, flanks)
 
 
@@ -186,13 +176,13 @@ WholeBody = Callable[[Scene, BallLayout, bool, ComplianceModel, Sequence[int]], 
 
 
 @kept(16)  # screws and nuts of eight sets on a shaft
-@cached_on_disk(StoredMotionMatrix)
-def _cached_compliance_between_contacts(scene: Scene, screw: bool, backend: ComplianceModel) -> StoredMotionMatrix:
+@cached_on_disk(np.ndarray)
+def _cached_compliance_between_contacts(scene: Scene, screw: bool, backend: ComplianceModel) -> Array:
     """Return the compliance between all contacts of screw or nut on both flanks, cached in memory and on disk.
 
     ``screw``: whether the body is the screw (True) or the nut; ``backend``: model of the bodies.
     """
-    return StoredMotionMatrix(between.compute_compliance_between_contacts(scene, ball_layout(scene), screw, backend))
+    return between.compute_compliance_between_contacts(scene, ball_layout(scene), screw, backend)
 
 
 @kept(64)
@@ -257,15 +247,15 @@ def screw_response_to_section_wrench(scene: Scene, layout: BallLayout, backend: 
     """
     geometry, azimuths = parts.compliance_geometry_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
-        return _cached_response_to_section_wrench(geometry, backend, section_z).G
+        return _cached_response_to_section_wrench(geometry, backend, section_z)
     return between.screw_motions_by_section_wrench(geometry, layout, backend, section_z)
 
 
 @kept(64)
-@cached_on_disk(StoredMotionMatrix)
-def _cached_response_to_section_wrench(scene: Scene, backend: ComplianceModel, section_z: float) -> StoredMotionMatrix:
+@cached_on_disk(np.ndarray)
+def _cached_response_to_section_wrench(scene: Scene, backend: ComplianceModel, section_z: float) -> Array:
     """Return the result of `screw_response_to_section_wrench` for the balls of a scene, cached in memory and on disk."""
-    return StoredMotionMatrix(between.screw_motions_by_section_wrench(scene, ball_layout(scene), backend, section_z))
+    return between.screw_motions_by_section_wrench(scene, ball_layout(scene), backend, section_z)
 
 
 #: Names of the bodies in the file of a condensed 3D model, in addition to the balls.

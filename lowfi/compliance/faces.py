@@ -380,7 +380,7 @@ def flank_patch_loads(
     Array
         Forces ``(f, d, e, nodes of the grid, 3)`` for f flanks, d directions of the load and e positions of the end face.
     """
-    line = grid.shape[1] - 1 if flank.is_screw else 0
+    line = flank.surface_line
     normals = groove.flank_normals(grid, line)
     places, directions = contact_positions_and_directions(flank, grid.z[0, 0])
     out = np.zeros((len(places), direction_count, len(face_lines), *grid.shape, 3))

@@ -36,8 +36,7 @@ def equivalent_cylinder_radius(flank: HalfGroove, power: int) -> float:
     wall thickness, to which the bending stiffness of a ring is proportional.
     """
     grid = flank.finite_element_grid()
-    line = -1 if flank.is_screw else 0
-    r, z = grid.r[:, line], grid.z[:, line]
+    r, z = grid.r[:, flank.surface_line], grid.z[:, flank.surface_line]
     f = r**2 if power == 2 else (flank.plain_radius - r) ** 3
     mean = float(((f[:-2:2] + 4.0 * f[1:-1:2] + f[2::2]) / 6.0 * (z[2::2] - z[:-2:2])).sum() / z[-1])
     return float(np.sqrt(mean)) if power == 2 else flank.plain_radius - float(np.cbrt(mean))
@@ -73,7 +72,7 @@ def contact_motions_by_tension_and_moment(flank: HalfGroove, smooth: tube.Smooth
     strains more, than on average. ``flank``: groove of the body; ``smooth``: smooth body of revolution.
     """
     grid, (radius, zeta) = flank.finite_element_grid(), flank.contact_position()
-    line, (r_ends, loaded) = grid.shape[1] - 1 if flank.is_screw else 0, tube.radial_element_ends(smooth)
+    line, (r_ends, loaded) = flank.surface_line, tube.radial_element_ends(smooth)
     share = gaussian_patch_weights(grid, line, zeta, NARROW * flank.groove_map.ball)
     plain = fourier.tube_grid(r_ends, np.array([0.0, flank.half_length]))
     out = np.empty((2, 2))
@@ -172,9 +171,7 @@ def nodal_forces_along_flank_normals(
 
     ``grid``: grid of the body; ``width``: standard deviation of the Gaussian patch [m].
     """
-    line = grid.shape[1] - 1 if flank.is_screw else 0
-    share = gaussian_patch_weights(grid, line, zeta, width)
-    normals = flank_normals(grid, line)
+    share, normals = gaussian_patch_weights(grid, flank.surface_line, zeta, width), flank_normals(grid, flank.surface_line)
     return np.asarray(share[:, None] * normals * np.sign(normals @ flank.nominal_normal)[:, None])
 
 
@@ -209,8 +206,8 @@ def forces_of_patch(flank: HalfGroove, grid: fourier.QuadrilateralGrid, width: f
 
     ``grid``: grid of the body; ``width``: standard deviation of the Gaussian patch [m].
     """
-    force, line = np.zeros((*grid.shape, 3)), grid.shape[1] - 1 if flank.is_screw else 0
-    force[:, line, ::2] = nodal_forces_along_flank_normals(flank, grid, width, flank.contact_position()[1])
+    force = np.zeros((*grid.shape, 3))
+    force[:, flank.surface_line, ::2] = nodal_forces_along_flank_normals(flank, grid, width, flank.contact_position()[1])
     return force
 
 
@@ -266,7 +263,7 @@ def ring_compliance(flank: HalfGroove, fixed_surface: str) -> GrooveRingComplian
     fixed[[0, -1] if fixed_surface == "both" else -1 if fixed_surface == "high" else slice(0, 0)] = True
     fixed[:, 0 if fixed_surface == "bore" else -1 if fixed_surface == "outer" else slice(0, 0)] = True
     radius, zeta = flank.contact_position()
-    line, width = (grid.shape[1] - 1 if flank.is_screw else 0), NARROW * flank.groove_map.ball
+    line, width = flank.surface_line, NARROW * flank.groove_map.ball
     rows = np.zeros((5, *grid.shape, 3))
     if flank.groove_map.touches_at_apex:  # both flanks are the same patch
         share = gaussian_patch_weights(grid, line, 0.0, width)

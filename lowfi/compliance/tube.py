@@ -49,6 +49,11 @@ class HalfGroove:
         return 1 if self.is_screw else 3
 
     @property
+    def surface_line(self) -> int:
+        """Number of the grid line on the grooved surface of `finite_element_grid`: the last one in r, or the first."""
+        return -1 if self.is_screw else 0
+
+    @property
     def nominal_normal(self) -> Array:
         """Direction ``(2,)`` of the nominal contact load in the plane (r, z)."""
         m = self.groove_map

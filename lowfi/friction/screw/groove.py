@@ -8,22 +8,19 @@ right).
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants_as_printed
-from rollbench.lowfi.statics.contacts import hertz_without_errors
+from rollbench.lowfi.hertz import HertzConstants
+from rollbench.lowfi.statics.contacts import hertz_without_errors, misprinted_hertz_of_flanks
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import draw_geometry_with_errors
-from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.numerics import brentq
-from rollbench.meshes.parts import SIDE_SIGNS, Balls, Errors, Material, Nut, Scene, Screw, Track
+from rollbench.meshes.parts import SIDE_SIGNS, Balls, Material, Nut, Scene, Screw, Track
 from rollbench.meshes.record_keys import frozen_default, frozen_record
-from rollbench.meshes.surface import printed_principal_radii
 
 #: How Hertz constants are computed: exactly ("right"), or with the errors of Lin's Table B.1 ("as printed").
 Mode = Literal["right", "as printed"]
@@ -333,15 +330,8 @@ class ScrewGroove(GroovesInMotion):
 
 def printed_hertz_constants(scene: Scene) -> HertzConstants:
     """Return the Hertz constants of the four flanks ``(4,)`` by Table B.1 of Lin's thesis, for parts without errors."""
-    bare = replace(scene, errors=Errors())
-    drawn, ball, rows = draw_geometry_with_errors(bare, ball_layout(bare)), scene.balls.material, []
-    for body, side in ((scene.screw, 0), (scene.nut, 3)):
-        steel = body.material
-        modulus = contact_modulus(ball.youngs_modulus, ball.poissons_ratio, steel.youngs_modulus, steel.poissons_ratio)
-        low, high = printed_principal_radii(bare, drawn, side, np.full(scene.ball_count, scene.track.contact_angle))[0]
-        found = hertz_constants_as_printed(scene.balls.radius, (float(low), float(high)), modulus)
-        rows += 2 * [(found.C, found.C_a, found.C_b, found.e)]
-    return HertzConstants(*np.array(rows).T)
+    rows = np.array([(x.C, x.C_a, x.C_b, x.e) for x in misprinted_hertz_of_flanks(scene)])
+    return HertzConstants(*np.repeat(rows, 2, axis=0).T)
 
 
 @dataclass(frozen=True)
