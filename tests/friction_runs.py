@@ -25,7 +25,7 @@ def setting(scene, friction=MU, motion=TURN, solve=contact_loads):
     """A run of a scene with a rigid or beam screw."""
     scene = replace(scene, motion=motion)
     drawn = draw_errors(scene)
-    balls = balls_in_circuits(scene, friction, motion, drawn)
+    balls = balls_in_circuits(scene, motion, drawn)
     fixed = {"scene": scene, "friction": friction, "drive": motion, "random_errors": drawn}
     return SceneInMotion(**vars(balls), **fixed, solve_contact_loads=partial(solve, scene))
 

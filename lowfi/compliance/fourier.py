@@ -290,20 +290,6 @@ class BodyOfRevolution:
         cells = self.grid.element_nodes()
         return (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), 27)
 
-    @cached_property
-    def stiffness_parts(self) -> tuple[csr_array, ...]:
-        """Parts K_0, K_1, K_2 ``(3 nodes, 3 nodes)`` of the stiffness in harmonic n, c (K_0 + n K_1 + n^2 K_2).
-
-        The factor c is `circumference_integral_factor`.
-        """
-        from scipy.sparse import coo_array
-
-        dof = self.element_freedoms()
-        row = np.repeat(dof, 27, axis=1).ravel()
-        column = np.tile(dof, (1, 27)).ravel()
-        size = 3 * self.grid.r.size
-        return tuple(coo_array((k.ravel(), (row, column)), (size, size)).tocsr() for k in self.elements)
-
     def stiffness_of_rows(self, chosen: slice | Index = slice(None)) -> Array:
         """Return the assembled stiffness parts K_0, K_1, K_2 of radial rows of elements ``(3, rows, 3, m, 3, m)``.
 
@@ -359,8 +345,12 @@ class BodyOfRevolution:
 
     def harmonic_stiffness(self, n: int) -> csr_array:
         """Return the stiffness matrix K_n of harmonic n ``(3 nodes, 3 nodes)``."""
-        K0, K1, K2 = self.stiffness_parts
-        return circumference_integral_factor(n) * (K0 + n * K1 + n * n * K2)
+        from scipy.sparse import coo_array
+
+        dof, size = self.element_freedoms(), 3 * self.grid.r.size
+        K = np.tensordot(stiffness_part_factors(n), self.elements, 1)
+        at = np.repeat(dof, 27, axis=1).ravel(), np.tile(dof, (1, 27)).ravel()
+        return coo_array((K.ravel(), at), (size, size)).tocsr()
 
     def freedoms_regular_on_axis(self, n: int) -> Mask:
         """Return whether each degree of freedom may move in harmonic n ``(3 nodes,)``: only the axis r = 0 restricts it.

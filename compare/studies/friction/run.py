@@ -34,7 +34,7 @@ def simulate_friction_over_time(
         raise ArgumentError("model", model, f"{' or '.join(MODELS_OVER_TIME)} for a scene with [time]", advice)
     drawn = draw_errors(scene, specimen)
     try:
-        balls = balls_in_circuits(scene, friction, motion, drawn, specimen)
+        balls = balls_in_circuits(scene, motion, drawn, specimen)
     except ValueError as error:
         advice = "give the circuits more room by [circulation]"
         raise SceneNotCoveredError(scene.name, "circulation", str(error), advice) from error

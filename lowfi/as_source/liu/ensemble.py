@@ -112,13 +112,7 @@ def solve_screws_with_errors(chain: BallScrewChain, errors: Array, loads: Array)
 
 
 def solve_ensemble(
-    chain: BallScrewChain,
-    half_range: float,
-    loads: Array | list[float],
-    screw_count: int,
-    *,
-    seed: int = 0,
-    chunk: int = CHUNK,
+    chain: BallScrewChain, half_range: float, loads: Array | list[float], screw_count: int, *, seed: int = 0
 ) -> ScrewEnsemble:
     """Solve many ball screws of one design with uniformly distributed random ball errors under several axial loads.
 
@@ -136,23 +130,21 @@ def solve_ensemble(
         Number of screws.
     seed
         Seed of the random numbers.
-    chunk
-        Number of screws that are solved together, which limits the memory; the result does not depend on it.
 
     Raises
     ------
     ValueError
-        The number of screws or the chunk is not positive, or errors as in `solve_screws_with_errors`.
+        The number of screws is not positive, or errors as in `solve_screws_with_errors`.
     """
-    if screw_count < 1 or chunk < 1 or half_range < 0.0:
+    if screw_count < 1 or half_range < 0.0:
         raise ValueError(
-            "`screw_count` and `chunk`, numbers of screws, must be positive; `half_range` of errors must not be negative, "
-            f"got screw_count {screw_count}, chunk {chunk}, half_range {half_range} m"
+            "`screw_count`, the number of screws, must be positive; `half_range` of errors must not be negative, "
+            f"got screw_count {screw_count}, half_range {half_range} m"
         )
     f = np.asarray(loads, dtype=float)
     kept, worst, failed = np.empty((screw_count, f.size, len(QUANTITIES))), 0.0, 0
-    for first in range(0, screw_count, chunk):
-        count = min(chunk, screw_count - first)
+    for first in range(0, screw_count, CHUNK):
+        count = min(CHUNK, screw_count - first)
         errors = draw_uniform_errors(seed, first, count, chain.balls, half_range)
         kept[first : first + count], residual = solve_screws_with_errors(chain, errors, f)
         worst = max(worst, float(residual.max()))

@@ -210,15 +210,7 @@ class TrackInMotion(ABC):
 
 
 class GroovesInMotion(HelicalMotion, TrackInMotion):
-    """Abstract class for grooves of screw and nut that move along the helix: kinematics, Hertz constants and friction."""
-
-    #: Coefficient of friction of the grooves; the larger one if screw and nut differ.
-    mu: float
-
-    @property
-    @abstractmethod
-    def contact_hertz_constants(self) -> HertzConstants:
-        """Hertz constants of the contacts of a ball of nominal size at the nominal contact angle."""
+    """Grooves of screw and nut that move along the helix."""
 
     @cached_property
     def pair(self) -> TouchingBallsGeometry:

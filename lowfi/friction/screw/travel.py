@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
@@ -461,14 +461,10 @@ def travel(
 
 
 def simulate(
-    setting: SimulatedSystem,
-    duration: float,
-    steps: int,
-    scheme: Scheme = "located",
-    report: Callable[[float], object] = float,
+    setting: SimulatedSystem, duration: float, steps: int, report: Callable[[float], object] = float
 ) -> TravelHistory:
     """Return the time history of balls that travel round their closed tracks; arguments and errors: see `travel`."""
-    return solve_alone(travel(setting, duration, steps, scheme, report))
+    return solve_alone(travel(setting, duration, steps, report=report))
 
 
 def ignore_progress(steps: str, share: float) -> None:
@@ -509,14 +505,21 @@ def simulate_with_step_errors(
         The simulation with the most time steps, and its errors. The errors are None if the simulation ended early or has
         fewer than four steps.
     """
-    pitches = abs(float(setting.state_at_start().omega[0])) * duration / setting.tracks[0].spacing
-    first = int(np.clip(np.ceil(STEPS_PER_PITCH * pitches), *FIRST_STEPS))
-
-    def simulate_in_steps(count: int) -> TravelHistory:
-        """Return the history simulated with ``count`` equal time steps."""
-        return simulate(setting, duration, count, report=lambda share: report(f"{count} steps", share))
-
-    return simulate_until_accurate(simulate_in_steps, steps, first, goal)
+    if steps is None:
+        pitches = abs(float(setting.state_at_start().omega[0])) * duration / setting.tracks[0].spacing
+        first = int(np.clip(np.ceil(STEPS_PER_PITCH * pitches), *FIRST_STEPS))
+        counts = [first * 2**k for k in range(20) if first * 2**k <= MOST]
+    else:
+        counts = sorted({max(1, steps // 4), max(1, steps // 2), steps})
+    levels, error = list[TravelHistory](), None
+    for count in counts:
+        levels.append(simulate(setting, duration, count, partial(report, f"{count} steps")))
+        if not levels[-1].fully_converged:
+            return levels[-1], None
+        error = estimate_time_step_errors(levels)
+        if steps is None and error is not None and error.all_errors_within(goal):
+            break
+    return levels[-1], error
 
 
 def _state_after_piece(setting: SimulatedSystem, place: BallState, instant: InstantSolution, piece: float) -> BallState:
@@ -655,29 +658,3 @@ def estimate_time_step_errors(levels: Sequence[TravelHistory]) -> TimeStepErrors
         if not np.isnan(value):
             errors[name] = extrapolated_error(numbers[1][name] - numbers[0][name], value - numbers[1][name])
     return TimeStepErrors(errors, steps)
-
-
-def simulate_until_accurate(
-    simulate: Callable[[int], TravelHistory], steps: int | None, first_count: int, goal: float
-) -> tuple[TravelHistory, TimeStepErrors | None]:
-    """Simulate with ever more time steps; return the last simulation and its estimated errors due to finite time steps.
-
-    ``simulate``: function that returns the simulation with a given number of steps; ``steps``: number of steps of the last
-    simulation, before which simulations with about a quarter and half of this number are made. If ``steps`` is None, the
-    series of simulations begins with ``first_count`` steps and doubles them until no error is above ``goal``, a fraction of
-    the mean torque. The errors are None where a simulation ended early, or for fewer than four steps.
-    """
-    if steps is not None:
-        counts = sorted({max(1, steps // 4), max(1, steps // 2), steps})
-    else:
-        counts = [first_count * 2**k for k in range(20) if first_count * 2**k <= MOST]
-    levels: list[TravelHistory] = []
-    error: TimeStepErrors | None = None
-    for count in counts:
-        levels.append(simulate(count))
-        if not levels[-1].fully_converged:
-            return levels[-1], None
-        error = estimate_time_step_errors(levels)
-        if steps is None and error is not None and error.all_errors_within(goal):
-            break
-    return levels[-1], error

@@ -6,7 +6,7 @@ bearing.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -17,8 +17,6 @@ from rollbench.lowfi.friction.screw.travel import ClosedTrack
 from rollbench.lowfi.friction.whole import losses
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_result
 from rollbench.lowfi.friction.whole.torque import ONE_TURN, axial_forces_and_moments
-from rollbench.lowfi.hertz import HertzConstants
-from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.together import Search
 from rollbench.meshes.arrays import Array, Index, Mask
@@ -184,40 +182,12 @@ def nut_positions_at_start_and_end(scene: Scene) -> Array:
     return np.array([0.0, lead_per_radian(scene.track) * turned])
 
 
-@dataclass(frozen=True, eq=False)
-class SceneGrooves(losses.BallKinematics, groove.GroovesInMotion):
-    """Grooves of a scene without geometric errors, with the speeds of screw and nut and with friction.
-
-    One object is used in a whole simulation, because its kinematics in scaled units are cached (`GroovesInMotion.scaled`).
-    """
-
-    #: Larger one of the coefficients of friction of the screw's and the nut's grooves.
-    mu: float
-    #: Hertz constants of the contacts, computed without geometric errors.
-    hertz: HertzConstants = field(repr=False)
-
-    @property
-    def contact_hertz_constants(self) -> HertzConstants:
-        """Hertz constants of the contacts without geometric errors."""
-        return self.hertz
-
-
-def grooves_of_scene(scene: Scene, friction: Friction, drive: Drive) -> SceneGrooves:
-    """Return the grooves of a scene without geometric errors, with the speeds of screw and nut.
-
-    The coefficient of friction of the result is the larger one of the screw's and the nut's grooves. ``friction``:
-    coefficients of friction; ``drive``: which part turns, screw or nut, and its angular speed.
-    """
-    path = losses.ball_kinematics(scene, drive, scene.balls.radius)
-    return SceneGrooves(**asdict(path), mu=max(friction.screw, friction.nut), hertz=hertz_without_errors(scene))
-
-
 @dataclass(frozen=True)
 class SceneBallChain(BallChain):
     """Balls of one closed track of a scene with their contact loads; radii and friction may differ from ball to ball."""
 
     #: Grooves of screw and nut without errors, with the speeds of both.
-    groove: SceneGrooves
+    groove: losses.BallKinematics
     #: Contact forces, angles and ellipses of the balls.
     static_contacts: StaticContacts
 
@@ -248,7 +218,6 @@ def search_motion_on_track(
     slack: Array,
     friction: Friction,
     drive: Drive,
-    grooves: SceneGrooves,
     start: tuple[Array, Array] | None = None,
 ) -> Search[ChainMotion]:
     """Return the motion of the balls of one closed track, in order of azimuth, and the forces between them.
@@ -269,8 +238,6 @@ def search_motion_on_track(
         Coefficients of friction.
     drive
         Which part turns, screw or nut, and its angular speed.
-    grooves
-        Grooves without errors, from `grooves_of_scene`.
     start
         First estimates: motions of the balls ``(N, 4)`` [rad/s], then forces between neighbours ``(N,)`` [N]. If None, the
         solution begins without estimates.
@@ -282,6 +249,7 @@ def search_motion_on_track(
     """
     share, top = losses.relative_friction_coefficients(friction)
     rubs = losses.friction_contacts(scene, contacts, top * share, drive)
+    grooves = losses.ball_kinematics(scene, drive, scene.balls.radius)
     chain = SceneBallChain(grooves, contacts.force, contacts.normals, slack, rubs, friction.between_balls, contacts)
     motion = yield from search_motion_of_chain(chain, start, True)
     for rows in (motion.contact_motions, motion.contact_friction):
@@ -309,7 +277,7 @@ class BallsInCircuits:
     #: Difference of the azimuths that each ball and the next ball of its circuit have if the two touch ``(N,)`` [rad].
     spacing: Array
     #: Grooves of screw and nut without geometric errors.
-    groove: SceneGrooves
+    groove: losses.BallKinematics
 
     def gaps_to_next_balls(self, azimuth: Array) -> Array:
         """Return the gap between each ball and the next one of its circuit, as an azimuth ``(N,)`` [rad]; < 0: overlap.
@@ -353,17 +321,13 @@ class BallsInCircuits:
         return ball_layout_at_positions(track, space, scene.nut.position + lead_per_radian(track) * (folded - track.phase))
 
 
-def balls_in_circuits(
-    scene: Scene, friction: Friction, drive: Drive, drawn: ErrorsAfterDrawing, member: int = 0
-) -> BallsInCircuits:
+def balls_in_circuits(scene: Scene, drive: Drive, drawn: ErrorsAfterDrawing, member: int = 0) -> BallsInCircuits:
     """Return the balls of a scene in their circuits (closed tracks) at the beginning of a simulation.
 
     Parameters
     ----------
     scene
         Screw or bearing.
-    friction
-        Coefficients of friction.
     drive
         Which part turns, screw or nut, and its angular speed.
     drawn
@@ -380,7 +344,7 @@ def balls_in_circuits(
     """
     tracks, azimuths, numbers = zip(*circuits_of_scene(scene), strict=True)
     azimuth, number = np.concatenate(azimuths), np.concatenate(numbers)
-    grooves = grooves_of_scene(scene, friction, drive)
+    grooves = losses.ball_kinematics(scene, drive, scene.balls.radius)
     radius = np.where(number >= 0, drawn.ball_radii[np.maximum(number, 0)], 0.0)
     rng = np.random.default_rng([scene.errors.seed, member, 1])  # the draws of the scene's own balls stay what they are
     radius[number < 0] = draw_ball_radii(scene, rng, int(np.sum(number < 0)))

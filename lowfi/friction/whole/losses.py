@@ -20,7 +20,7 @@ from rollbench.lowfi.friction.contact.least_dissipation import (
     LeastDissipation,
     least_dissipation_of_bodies,
 )
-from rollbench.lowfi.friction.screw.groove import HelicalMotion
+from rollbench.lowfi.friction.screw.groove import GroovesInMotion
 from rollbench.lowfi.friction.screw.motion import friction_wrench_at_contacts
 from rollbench.lowfi.friction.whole.contacts import StaticContacts
 from rollbench.meshes.arrays import Array, Index, Mask
@@ -34,7 +34,7 @@ CAUSES = ("sliding_across", "sliding_along", "spin")
 
 
 @dataclass(frozen=True)
-class BallKinematics(HelicalMotion):
+class BallKinematics(GroovesInMotion):
     """Radii, contact angle, lead and speeds of screw and nut that determine the motion of a ball; lead 0 for a bearing."""
 
     #: Radius of the ball [m].

@@ -252,8 +252,8 @@ class SceneInMotion(BallsInCircuits):
         for members in (track.balls for track in self.tracks):
             rates = slack[members] if members.stop - members.start > 1 else np.array([np.inf])
             start = (memory.ball_motions[members], memory.ball_forces[members])
-            balls, grooves = at.subset(members), self.groove
-            searches.append(search_motion_on_track(self.scene, balls, rates, self.friction, self.drive, grooves, start))
+            balls = at.subset(members)
+            searches.append(search_motion_on_track(self.scene, balls, rates, self.friction, self.drive, start))
         moved: list[ChainMotion] = yield SideBySide(searches)
         q, force, wrench = (np.concatenate([getattr(m, name) for m in moved]) for name in ("q", "ball_force", "wrench"))
         axial = -at.axial_force

@@ -57,7 +57,7 @@ def friction_with_neighbours(
         Balls overlap.
     """
     track, drawn = scene.track, draw_errors(scene, member)
-    all_balls = balls_in_circuits(scene, friction, drive, drawn, member)
+    all_balls = balls_in_circuits(scene, drive, drawn, member)
     on_arc = np.flatnonzero(all_balls.number >= 0)
     order = all_balls.number[on_arc]
     layout = all_balls.layout(scene, all_balls.azimuth)
@@ -76,7 +76,7 @@ def friction_with_neighbours(
         limit = np.where(free, np.inf, slack[members])
         least = min(least, float(np.min(np.where(free, np.inf, gap[members]))))
         touching += int(np.sum(limit == 0.0))
-        searches.append(search_motion_on_track(scene, full.subset(members), limit, friction, drive, all_balls.groove))
+        searches.append(search_motion_on_track(scene, full.subset(members), limit, friction, drive))
     for track_of_balls, moved in zip(all_balls.tracks, solve_together(searches), strict=True):
         number = all_balls.number[track_of_balls.balls]
         kept, to = number >= 0, number[number >= 0]
