@@ -347,7 +347,7 @@ def shaft_beam_motions_by_section_wrench(body: tube.SmoothBody, contact_points: 
     end[0, 4], end[1, 3] = z - low, low - z
     by_springs = np.concatenate([tube.contact_motions_by_rigid_motions(taken, axes, low), end])
     beam = tube.cantilever_compliance(rows, stations, low, body.section, slice(-6, None))
-    return np.asarray(beam + (by_springs / tube.low_end_springs_of_rigid_motions(body)) @ end.T)
+    return np.asarray(beam + (by_springs / np.repeat(tube.low_end_spring_stiffnesses(body)[:2], 3)) @ end.T)
 
 
 def section_strain_motions_by_wrench(section_strain_motions: Array, stations: Array, section_z: float) -> Array:

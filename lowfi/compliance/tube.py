@@ -474,19 +474,11 @@ def slice_mean_weights(z: Array, slice_middle: float, half_thickness: float) -> 
 def low_end_spring_stiffnesses(tube: SmoothBody) -> tuple[float, float, float, float]:
     """Return the stiffnesses of the four springs that support the mean motions of a shaft's end at low z.
 
-    They are, in order, those of lateral shift [N/m], tilt [N m], axial motion [N/m] and twist [N m].
+    They are, in order, those of lateral shift [N/m], tilt [N m], axial motion [N/m] and twist [N m]; the last two are equal
+    to the first two.
     """
     stiff = tube.material.youngs_modulus * tube.outer_radius
     return stiff, stiff * tube.outer_radius**2, stiff, stiff * tube.outer_radius**2
-
-
-def low_end_springs_of_rigid_motions(tube: SmoothBody) -> Array:
-    """Return the spring stiffness at a shaft's end at low z for each rigid motion of this end ``(6,)`` [N/m, N m].
-
-    The motions are three translations along x, y, z and three rotations about them; see `low_end_spring_stiffnesses`.
-    """
-    shift, tilt, axial, twist = low_end_spring_stiffnesses(tube)
-    return np.array([shift, shift, axial, tilt, tilt, twist])
 
 
 def gaussian_weights_on_line(z: Array, patch_middles: Array, width: float) -> Array:
@@ -587,7 +579,7 @@ def low_end_spring_compliance(tube: SmoothBody, contact_points: Array, axes: Arr
     2, 3)``: directions of their motions.
     """
     rows = contact_motions_by_rigid_motions(contact_points, axes, tube.ends[0])
-    return np.asarray((rows / low_end_springs_of_rigid_motions(tube)) @ rows.T)
+    return np.asarray((rows / np.repeat(low_end_spring_stiffnesses(tube)[:2], 3)) @ rows.T)
 
 
 def cantilever_compliance(
