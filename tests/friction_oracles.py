@@ -11,7 +11,7 @@ from rollbench.lowfi.friction.contact.laws import EllipticalContacts
 from rollbench.lowfi.friction.screw import motion
 from rollbench.lowfi.friction.screw.coupled import CoupledChainSolution, search_coupled_chain
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.together import solve_alone
+from rollbench.lowfi.together import solve_alone
 from rollbench.meshes.arrays import Array
 
 

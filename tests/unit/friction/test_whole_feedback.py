@@ -12,11 +12,11 @@ from tests.whole_screws import MU, SCENES, TURN, scene_of, single, state
 from rollbench.compare.cases.lin.evidence.source_cases import screw_groove
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies import survey
-from rollbench.lowfi.together import solve_alone
 from rollbench.lowfi.friction.whole.feedback import DisplacedBalls, positions_in_grooves, solve_friction_equilibria
 from rollbench.lowfi.friction.whole.losses import BallsUnderLoad
 from rollbench.lowfi.friction.whole.state import FrictionCase, friction_state, friction_states
 from rollbench.lowfi.friction.whole.torque import sum_friction_over_contacts
+from rollbench.lowfi.together import solve_alone
 from rollbench.meshes.parts import Friction, Motion
 
 
