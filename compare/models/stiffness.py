@@ -93,8 +93,8 @@ class NutStiffness(CrossMotion):
     )
     tangent: float | None = quantity_field(
         "tangent_N_per_um",
-        "change of force over change of displacement of the nut or bearing, for a small change of the scene's own loads "
-        "; without loads, for a small axial force; of several the sum",
+        "change of force over change of displacement of the nut or bearing, between two solutions under slightly smaller "
+        "and larger loads of the scene; without loads, under small axial forces; of several the sum",
         heading="axial rigidity, tangent",
         note="compare with a catalogue",
     )

@@ -396,7 +396,7 @@ def set_up_time_tables(costs: Mapping[str, Any]) -> list[Table]:
         whole = {kind: sum(spent.get(kind, 0.0) for spent in job["stages"].values()) for kind in WORK}
         floors.append(f"{whole['all'] / 2.0:.1f} s ({job['scene']}, level {job['level']})")
         for stage, spent in (*job["stages"].items(), ("all", whole)):
-            row: Row = {key: job[key] for key in ("scene", "level", "contacts")} | {"stage": stage}
+            row: Row = {**{key: job[key] for key in ("scene", "level", "contacts")}, "stage": stage}
             rows.append(row | {("work_time", words): spent.get(kind, 0.0) for kind, words in WORK.items()})
     note = (
         "One process with one thread, without start and imports. The work of elimination is determined by the meshes; its "

@@ -302,7 +302,10 @@ class SetResult(NanUnlessConverged):
     reaction: Array
     #: Tangent stiffness between inner and outer ring, or screw and nut ``(6, 6)`` [N/m, N, N m].
     stiffness: Array = quantity_field(
-        "stiffness", "tangent stiffness of one bearing or nut between its inner and outer part", parts="[][]"
+        "stiffness",
+        "tangent stiffness of one bearing or nut between its inner and outer part: change of force and moment for one of "
+        "the six motions, the other five held; the axial rigidity with the scene's own motions is `nut.tangent_N_per_um`",
+        parts="[][]",
     )
     #: Motion of the outer ring or nut at its centre, its offset included ``(6,)`` [m, rad].
     outer: Array = quantity_field(

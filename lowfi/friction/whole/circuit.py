@@ -382,10 +382,14 @@ class ContactOnset:
     There are N balls and M pairs of neighbours.
     """
 
+    #: Angular speeds of the ball centres about the axis ``(N,)`` [rad/s]; for unloaded balls an assumed value.
+    orbital_speeds: Array
     #: Sum of the contact loads of each ball ``(N,)`` [N].
     contact_load_sums: Array
     #: Numbers of the two balls of each pair of neighbours; the second ball is at the larger azimuth ``(M, 2)``.
     neighbour_pairs: Index
+    #: Gap between the two balls of a pair, as an azimuth: zero if they touch ``(M,)`` [rad].
+    pair_gaps: Array
     #: Rotation of screw or nut after which the two balls of a pair meet at their present speeds ``(M,)`` [rad]; infinite if
     #: they never meet.
     rotation_to_meeting: Array
@@ -468,4 +472,4 @@ def contact_onset(
     closing = orbit[pair[:, 0]] - orbit[pair[:, 1]]
     meets = closing > CLOSING * speed
     meeting = np.where(meets, np.maximum(gap, 0.0) * speed / np.where(meets, closing, 1.0), np.inf)
-    return ContactOnset(carrying, pair, meeting, speed * np.concatenate(leaving), converged)
+    return ContactOnset(orbit, carrying, pair, gap, meeting, speed * np.concatenate(leaving), converged)
