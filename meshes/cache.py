@@ -36,16 +36,13 @@ from functools import lru_cache, update_wrapper, wraps
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, ParamSpec, TypeVar
+from typing import Any, Generic, ParamSpec, TypeVar
 from zipfile import BadZipFile
 
 import numpy as np
 
 from rollbench.meshes.files import create_private_folder, temporary_path
 from rollbench.meshes.record_keys import digest_of_values
-
-if TYPE_CHECKING:
-    from functools import _lru_cache_wrapper
 
 
 class StageMessage(str):
@@ -437,26 +434,6 @@ def each_cached_on_disk(
     return decorate_function
 
 
-#: Functions whose results are kept in memory by `kept` and `kept_by_content`.
-_KEPT: list[Any] = []
-
-
-def kept(count: int) -> Callable[[Callable[..., T]], _lru_cache_wrapper[T]]:
-    """Return a decorator that keeps the last ``count`` results of a function in memory, until `forget_kept` is called."""
-
-    def decorate_function(function: Callable[..., T]) -> _lru_cache_wrapper[T]:
-        _KEPT.append(lru_cache(maxsize=count)(function))
-        return _KEPT[-1]  # type: ignore[no-any-return]
-
-    return decorate_function
-
-
-def forget_kept() -> None:
-    """Delete all results that are kept in memory, so that a timed computation that follows computes them again."""
-    for function in _KEPT:
-        function.cache_clear()
-
-
 @dataclasses.dataclass(eq=False)
 class KeptByContent(Generic[P, T]):
     """Function whose last results are kept in memory, see `kept_by_content`."""
@@ -469,10 +446,6 @@ class KeptByContent(Generic[P, T]):
     moved_by: Callable[P, Sequence[Any]]
     #: Results by the content of what they depend on, the latest last.
     kept: dict[tuple[object, ...], T] = dataclasses.field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        """Note the function for `forget_kept`."""
-        _KEPT.append(self)
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> T:
         """Return the result for the arguments, which must not be changed."""
@@ -498,6 +471,14 @@ def kept_by_content(count: int, moved_by: Callable[P, Sequence[Any]]) -> Callabl
     result depends. Results of more than `LARGEST_KEPT` bytes of input are not kept.
     """
     return lambda function: update_wrapper(KeptByContent(function, count, moved_by), function)  # type: ignore[return-value]
+
+
+def forget_kept_results(package: str) -> None:
+    """Delete all results that functions of the package ``package`` keep in memory, so that they are computed again."""
+    for module in [m for name, m in sys.modules.items() if name.startswith(f"{package}.")]:
+        for function in vars(module).values():
+            if hasattr(function, "cache_clear"):
+                function.cache_clear()
 
 
 def record_to_bytes(value: object, *, compressed: bool = False) -> bytes:

@@ -47,7 +47,7 @@ from rollbench.compare.studies.run_times import measuring_conditions_from_json, 
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.cache import forget_kept
+from rollbench.meshes.cache import forget_kept_results
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.processes import limit_to_one_thread
@@ -635,7 +635,7 @@ def solve_and_time(number: int, name: str) -> TimedRun:
     else:
         options = ModelOptions(estimate_beam_mesh_error=False)
         run_model(cases[0], name, options)  # imports
-        forget_kept()
+        forget_kept_results("rollbench.lowfi")
         begin = process_time()
         result = run_model(cases[0], name, options)
         first = process_time()

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from rollbench.lowfi.compliance.parts import BOTH, REFINED, ComplianceModel
 from rollbench.lowfi.compliance.tube import HalfGroove
 from rollbench.lowfi.compliance.washer import washer_compliance
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.cache import cached_on_disk, kept
+from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.helix import BallLayout, nominal_contact_points
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import BeamSection
@@ -45,7 +46,7 @@ def contact_points_and_axes(
     return np.concatenate(x), np.concatenate([axes] * len(flanks))
 
 
-@kept(32)
+@lru_cache(maxsize=32)
 def compliance_of_smooth_body(geometry: Scene, screw: bool, backend: ComplianceModel) -> tube.SmoothBodyCompliance:
     """Return the compliance of the smooth body (without grooves) that represents screw or nut, where its contacts lie.
 
@@ -67,11 +68,11 @@ def axial_range_of_contacts(geometry: Scene, body: tube.SmoothBody) -> tuple[flo
 
 
 #: Functions whose results are cached with the tube as key, so that the same screw with another nut needs no computation.
-cached_tube_compliance = kept(32)(tube.tube_compliance)
-cached_section_motions = kept(32)(tube.shaft_motions_by_section_loads)
+cached_tube_compliance = lru_cache(maxsize=32)(tube.tube_compliance)
+cached_section_motions = lru_cache(maxsize=32)(tube.shaft_motions_by_section_loads)
 
 
-@kept(32)
+@lru_cache(maxsize=32)
 @cached_on_disk(GrooveRingCompliance)
 def grooved_ring_compliance(geometry: Scene, screw: bool) -> GrooveRingCompliance:
     """Return the compliance of a bearing ring with its groove, cached on disk by its geometry.
@@ -171,7 +172,7 @@ def nut_beam_compliance(
     return tube.clamped_beam_compliance(rows, stations, ends, clamps, section, section_strain_motions)
 
 
-@kept(32)
+@lru_cache(maxsize=32)
 def groove_and_face_compliance_of_body(
     geometry: Scene, screw: bool, backend: ComplianceModel
 ) -> faces.GrooveAndFaceCompliance:
@@ -191,7 +192,7 @@ def groove_and_face_compliance_of_body(
     )
 
 
-@kept(32)
+@lru_cache(maxsize=32)
 @cached_on_disk(faces.GrooveAndFaceCompliance)
 def cached_groove_and_face_compliance(
     flank: HalfGroove, body: tube.SmoothBody, section: BeamSection, fixed_radii: tuple[float, float], has_near_face: bool

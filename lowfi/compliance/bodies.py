@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +30,7 @@ from rollbench.lowfi.compliance.between import EndWrenchMotions
 from rollbench.lowfi.compliance.parts import BOTH, REFINED, ComplianceModel
 from rollbench.lowfi.compliance.tube import clamped_beam_compliance, contact_motions_by_rigid_motions
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.cache import cached_on_disk, kept
+from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.condensed import CondensedBodies, digest_of_geometry, read_condensed_bodies
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.one_arc import NEAR, has_single_arc_grooves
@@ -175,7 +175,7 @@ def compliance_between_contacts(
 WholeBody = Callable[[Scene, BallLayout, bool, ComplianceModel, Sequence[int]], Array]
 
 
-@kept(16)  # screws and nuts of eight sets on a shaft
+@lru_cache(maxsize=16)  # screws and nuts of eight sets on a shaft
 @cached_on_disk(np.ndarray)
 def _cached_compliance_between_contacts(scene: Scene, screw: bool, backend: ComplianceModel) -> Array:
     """Return the compliance between all contacts of screw or nut on both flanks, cached in memory and on disk.
@@ -185,7 +185,7 @@ def _cached_compliance_between_contacts(scene: Scene, screw: bool, backend: Comp
     return between.compute_compliance_between_contacts(scene, ball_layout(scene), screw, backend)
 
 
-@kept(64)
+@lru_cache(maxsize=64)
 @cached_on_disk(float)
 def _cached_flank_compliance(geometry: Scene, screw: bool, backend: ComplianceModel) -> float:
     """Return the local compliance of a groove flank at a contact [m/N], cached in memory and on disk.
@@ -231,7 +231,7 @@ def screw_response_to_end_wrench(scene: Scene, layout: BallLayout, backend: Comp
     return between.screw_motions_by_end_wrench(geometry, layout, backend)
 
 
-@kept(64)
+@lru_cache(maxsize=64)
 @cached_on_disk(EndWrenchMotions)
 def _cached_response_to_end_wrench(scene: Scene, backend: ComplianceModel) -> EndWrenchMotions:
     """Return the result of `screw_response_to_end_wrench` for the balls of a scene, cached in memory and on disk."""
@@ -251,7 +251,7 @@ def screw_response_to_section_wrench(scene: Scene, layout: BallLayout, backend: 
     return between.screw_motions_by_section_wrench(geometry, layout, backend, section_z)
 
 
-@kept(64)
+@lru_cache(maxsize=64)
 @cached_on_disk(np.ndarray)
 def _cached_response_to_section_wrench(scene: Scene, backend: ComplianceModel, section_z: float) -> Array:
     """Return the result of `screw_response_to_section_wrench` for the balls of a scene, cached in memory and on disk."""

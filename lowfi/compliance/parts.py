@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -14,7 +15,7 @@ import numpy as np
 from rollbench.lowfi.compliance import groove, tube
 from rollbench.lowfi.compliance.tube import HalfGroove
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.cache import cached_on_disk, kept
+from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Ingredients, Scene
@@ -109,7 +110,7 @@ def idealisation_statements(backend: ComplianceModel, scene: Scene) -> tuple[str
     return f"the screw or inner ring is {screw}", f"the nut or outer ring is {nut}", f"balls are {ball}"
 
 
-@kept(64)
+@lru_cache(maxsize=64)
 def reduce_to_compliance_geometry(scene: Scene) -> Scene:
     """Return a scene reduced to the geometry and materials on which the compliance of screw and nut depends.
 
@@ -128,13 +129,13 @@ def reduce_to_compliance_geometry(scene: Scene) -> Scene:
     )
 
 
-@kept(64)
+@lru_cache(maxsize=64)
 def compliance_geometry_with_balls(scene: Scene) -> tuple[Scene, Array]:
     """Return the scene reduced to what its compliance depends on, with all N balls, and their azimuths ``(N,)`` [rad]."""
     return replace(reduce_to_compliance_geometry(scene), balls=scene.balls), ball_layout(scene).azimuth
 
 
-@kept(64)
+@lru_cache(maxsize=64)
 def half_groove_of_body(scene: Scene, screw: bool) -> HalfGroove:
     """Return half a groove with the body below it: half a lead of screw or nut, or half the width of a bearing ring.
 
@@ -150,7 +151,7 @@ def half_groove_of_body(scene: Scene, screw: bool) -> HalfGroove:
     return HalfGroove(m, land, far, screw, float(half), (scene.screw if screw else scene.nut).material)
 
 
-@kept(64)
+@lru_cache(maxsize=64)
 def fixed_surface(scene: Scene, screw: bool) -> str:
     """Return the name of the surface at which screw or nut is fixed, such as "bore" or "flange"; "rigid" for a rigid body.
 
@@ -166,7 +167,7 @@ def fixed_surface(scene: Scene, screw: bool) -> str:
     return "rigid" if scene.ingredients.screw == "rigid" else "section"
 
 
-@kept(64)
+@lru_cache(maxsize=64)
 def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
     """Return the beam section (stiffnesses) of the grooved screw or nut, or of the plain shaft if the track has no lead.
 
@@ -177,7 +178,7 @@ def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
     return grooved_body_section(half_groove_of_body(geometry, screw))
 
 
-@kept(64)
+@lru_cache(maxsize=64)
 @cached_on_disk(BeamSection)
 def grooved_body_section(flank: HalfGroove) -> BeamSection:
     """Return the beam section (stiffnesses) of a grooved screw or nut, computed by finite elements of half a lead.

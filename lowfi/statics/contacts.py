@@ -33,13 +33,13 @@ e << rho - r.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
 from rollbench.lowfi import hertz
 from rollbench.lowfi.compliance.parts import reduce_to_compliance_geometry
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.cache import kept
 from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, nominal_groove_radii
 from rollbench.meshes.parts import SIDES, Errors, Material, Scene, UnfitKey
@@ -110,7 +110,7 @@ def oblique_pressure_coefficient(constants: hertz.HertzConstants, ball_radius: f
 NODES, ROUND_OFF = 12, 1e-15
 
 
-@kept(64)
+@lru_cache(maxsize=64)
 def hertz_without_errors(scene: Scene) -> hertz.HertzConstants:
     """Return the Hertz constants of the four flanks ``(4,)`` for parts without errors at the nominal contact angle.
 
@@ -138,13 +138,13 @@ def nominal_curvatures(scene: Scene) -> Array:
     return _cached_curvatures(_scene_of_parts_only(scene))
 
 
-@kept(64)
+@lru_cache(maxsize=64)
 def _scene_of_parts_only(scene: Scene) -> Scene:
     """Return a copy of a scene without loads, supports, errors and nut position, which serves as the key of caches."""
     return replace(reduce_to_compliance_geometry(scene), nut=replace(scene.nut, position=0.0, azimuth=0.0))
 
 
-@kept(64)
+@lru_cache(maxsize=64)
 def _cached_hertz_of_parts(bare: Scene) -> hertz.HertzConstants:
     """Return the Hertz constants ``(4,)`` of error-free parts, from a cache; ``bare``: scene with these parts only."""
     return _make_read_only(hertz_from_curvatures(bare, _cached_curvatures(bare)))
@@ -157,7 +157,7 @@ def _make_read_only(constants: hertz.HertzConstants) -> hertz.HertzConstants:
     return constants
 
 
-@kept(64)
+@lru_cache(maxsize=64)
 def _cached_curvatures(bare: Scene) -> Array:
     """Return the relative principal curvatures ``(4, 2)`` [1/m] of the error-free parts of scene ``bare``, from a cache."""
     scene, layout = bare, ball_layout(bare)

@@ -39,7 +39,8 @@ ROWS = (
 )
 OVER = (Over("load", "load_kN", (1.0, 2.0)),)
 QUANTITIES = ("stiffness", "displacement", "load", "preload", "pressure", "life")
-ROW = TableRow("converged", np.eye(6), *(float(k) for k in range(1, 14)), "")
+RIGID = dict(nut_tangent=10.0, load_point_tangent=11.0, nut_displacement=12.0, load_point_displacement=13.0)
+ROW = TableRow("converged", np.eye(6), *(float(k) for k in range(1, 10)), "", **RIGID)
 STATISTICS = Statistics(
     members=5, mean=1.0, standard_error=2.0, standard_deviation=3.0, smallest=4.0, largest=5.0, quantiles={0.5: 6.0}
 )

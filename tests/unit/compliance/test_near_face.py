@@ -14,7 +14,7 @@ from rollbench.lowfi.compliance import parts as compliance_parts
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, half_space_compliance
 from rollbench.lowfi.compliance.fourier import BodyOfRevolution, QuadrilateralGrid, solve_harmonic_displacements
 from rollbench.lowfi.compliance.groove import forces_of_patch, sampled_harmonics
-from rollbench.meshes.cache import forget_kept
+from rollbench.meshes.cache import forget_kept_results
 from rollbench.meshes.helix import ball_layout
 
 pytestmark = pytest.mark.xdist_group("near face")
@@ -125,7 +125,7 @@ def test_beside_a_face_a_contact_is_as_small_as_it_is(monkeypatch):
     compliance = own(parts, 0)
     assert compliance[0] - compliance[15] == pytest.approx(-1.63, abs=0.12)
     monkeypatch.setattr(faces, "BESIDE_FACE", faces.BESIDE_FACE._replace(highest=16.0, mesh=(12, 8)))
-    forget_kept()
+    forget_kept_results("rollbench.lowfi")
     finer = own(parts, 0)
-    forget_kept()
+    forget_kept_results("rollbench.lowfi")
     assert compliance[0] - compliance[15] == pytest.approx(finer[0] - finer[15], abs=0.05)
