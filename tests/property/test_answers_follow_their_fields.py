@@ -39,7 +39,7 @@ ROWS = (
 )
 OVER = (Over("load", "load_kN", (1.0, 2.0)),)
 QUANTITIES = ("stiffness", "displacement", "load", "preload", "pressure", "life")
-RIGID = dict(nut_tangent=10.0, load_point_tangent=11.0, nut_displacement=12.0, load_point_displacement=13.0)
+RIGID = {"nut_tangent": 10.0, "load_point_tangent": 11.0, "nut_displacement": 12.0, "load_point_displacement": 13.0}
 ROW = TableRow("converged", np.eye(6), *(float(k) for k in range(1, 10)), "", **RIGID)
 STATISTICS = Statistics(
     members=5, mean=1.0, standard_error=2.0, standard_deviation=3.0, smallest=4.0, largest=5.0, quantiles={0.5: 6.0}
@@ -262,9 +262,9 @@ OF_TABLES = (
 
 
 def table_cells(found: Friction) -> list[list[object]]:
-    """The cells of every column of all tables that the terminal shows."""
+    """The cells of every row of all tables that the terminal shows."""
     tables = [part for part in friction_terminal_parts(found, balls=True) if not isinstance(part, str)]
-    return [[*column.cells] for table in tables for column in table.columns]
+    return [[*row] for table in tables for row in table.rows]
 
 
 @pytest.mark.parametrize(("found", "starts", "left_out"), OF_TABLES, ids=("shaft", "nut", "cases"))
