@@ -311,7 +311,15 @@ class Comparison(TabularRecord):
     def part_json(self, cases: Mapping[str, LoadCaseOfDutyCycle]) -> dict[str, Any]:
         """Return the comparison of a single nut or bearing as JSON: verdict, errors, uncertainty and all results.
 
-        ``cases``: load cases by the names of their scenes.
+        Parameters
+        ----------
+        cases
+            Load cases by the names of their scenes.
+
+        Returns
+        -------
+        dict
+            Values by their JSON keys.
         """
         assert self.of is not None
         assert self.reference is not None
@@ -332,7 +340,15 @@ class Comparison(TabularRecord):
     def identifying_values(self, cases: Mapping[str, LoadCaseOfDutyCycle]) -> dict[str, Any]:
         """Return the JSON values that identify one of several nuts or bearings, or of load cases; else empty.
 
-        ``cases``: load cases by the names of their scenes.
+        Parameters
+        ----------
+        cases
+            Load cases by the names of their scenes.
+
+        Returns
+        -------
+        dict
+            Values by their JSON keys.
         """
         assert self.of is not None
         name = self.of.described_scene.name

@@ -259,7 +259,18 @@ class Sweep(TabularRecord):
         return next(iter(self.figures()), None)
 
     def figures(self, rows: Sequence[many.Record] = ()) -> list[Figure]:
-        """Return all figures of the sweep, none without samples; ``rows``: records of converged samples that are shown."""
+        """Return all figures of the sweep, none without samples.
+
+        Parameters
+        ----------
+        rows
+            Records of converged samples that are shown.
+
+        Returns
+        -------
+        list of Figure
+            The figures.
+        """
         if self.converged < 2:
             return []
         return sweep_figures("sweep", self.design.keys, self.main_effects, self.worst, self.indices, rows)
