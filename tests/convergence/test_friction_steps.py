@@ -7,6 +7,7 @@ import pytest
 from tests.friction_runs import crowded, setting, sparse
 
 from rollbench.lowfi.friction.screw import travel
+from rollbench.lowfi.together import solve_alone
 
 pytestmark = pytest.mark.xdist_group("steps of friction")
 
@@ -43,7 +44,7 @@ def test_largest_and_least_torque_are_those_on_either_side_of_events(meeting):
     """A few steps see the torque just before and after a ball has entered or left, as many do; equal steps may miss it."""
 
     def missed(scheme, steps):
-        found = travel.simulate(setting(crowded()), 0.3, steps, scheme)
+        found = solve_alone(travel.travel(setting(crowded()), 0.3, steps, scheme))
         return max(abs(end(found.torque) - end(fine)) for end in (np.max, np.min)) / np.ptp(fine)
 
     fine = meeting[-1].torque
