@@ -5,13 +5,14 @@
     python -m tests.campaign --again compare/studies/campaign.json
 
 It prints the counts and every bad outcome, and ends with 1 where there is one. With --keep the counts go to the file that
-the report reads, and an interrupted campaign goes on from the lines it left next to that file, as long as no source has
+the report reads, and an interrupted campaign goes on from the folder it left next to that file, as long as no source has
 changed. --again judges the bad scenes of such a file once more, and notes there what became of them.
 """
 
 import argparse
 import io
 import json
+import shutil
 import sys
 from contextlib import redirect_stdout
 from functools import lru_cache
@@ -21,7 +22,7 @@ from unittest.mock import patch
 from tests.campaign import files, scenes
 from tests.campaign.draw import scene_text
 from tests.campaign.draw_axes import axis_text
-from tests.campaign.scenes import Campaign, Part
+from tests.campaign.scenes import Campaign
 
 from rollbench.compare import __version__
 from rollbench.compare.cli import app_with_commands
@@ -51,13 +52,13 @@ def run_solve(tokens: list[str]) -> tuple[int, str]:
     return code, out.getvalue()
 
 
-def run_campaign(what: Campaign, kept: Part | None) -> Record:
+def run_campaign(what: Campaign, folder: Path | None) -> Record:
     """A campaign, JSON-ready: command, day, counts by verdict, all bad outcomes, seconds of the scenes (median, largest).
 
-    kept: the outcomes of one that was cut short, and where this one writes its own. A terminal shows its progress.
+    folder: keeps the outcomes of its scenes, see `scenes.judge_scenes`. A terminal shows its progress.
     """
     outcomes = []
-    for outcome in scenes.judge_scenes(what, kept):
+    for outcome in scenes.judge_scenes(what, folder):
         outcomes.append(outcome)
         if sys.stderr.isatty():
             sys.stderr.write(f"\r\033[K[{len(outcomes)}/{what.count}] scene {outcome.number}: {outcome.verdict}")
@@ -124,14 +125,15 @@ def main(arguments: list[str] | None = None) -> int:
     if axes and asked.model not in AXIS_MODELS:
         parser.error(f"--model of axes: {', '.join(AXIS_MODELS)}")
     campaign = Campaign(asked.seed, count, asked.model, asked.files, asked.kills, axes, run_solve)
-    kept = None
-    if asked.keep:
-        part = f"{asked.keep.name}{'--axes' if axes else '--random'}.{asked.model}-{asked.seed}.part"
-        kept = Part(asked.keep.with_name(part), asked.seed, asked.model)
-    found = run_campaign(campaign, kept)
-    if kept:
+    name = f"{asked.keep.name}{'--axes' if axes else '--random'}.{asked.model}-{asked.seed}.part" if asked.keep else ""
+    folder = asked.keep.with_name(name) if asked.keep else None
+    try:
+        found = run_campaign(campaign, folder)
+    except InputError as error:
+        parser.error(str(error))
+    if folder:
         keep(found, asked.keep)
-        kept.path.unlink(missing_ok=True)
+        shutil.rmtree(folder)
     print(found["command"])
     for kind, row in ({"scenes": found["scenes"]} | found["files"]).items():
         print("\n".join(f"{kind} {verdict}: {number}" for verdict, number in row.items()))

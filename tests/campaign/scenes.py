@@ -16,8 +16,8 @@ from tests.campaign import check, check_axes
 from tests.campaign.draw import scene_text
 from tests.campaign.draw_axes import axis_text
 
-from rollbench.compare import __version__
 from rollbench.compare.errors import InputError, SceneError
+from rollbench.compare.models.many import StoredIn, solve_many
 from rollbench.compare.models.model import ModelOptions
 from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.compare.provenance import sources_hash
@@ -95,41 +95,6 @@ class Campaign:
     kills: int = 0
     axes: bool = False
     command: Command | None = None
-
-
-class Part:
-    """A file beside that of the counts; it is begun again where seed, model, version or sources are others."""
-
-    def __init__(self, path: Path, seed: int, model: str) -> None:
-        """Read the outcomes that the file has of this campaign. Raises OSError where it cannot be written."""
-        self.path = path
-        head = {"seed": seed, "model": model, "version": __version__, "sources": sources_hash(PACKAGES)[:16]}
-        kept = path.read_bytes().splitlines(keepends=True) if path.exists() else []
-        first, *others = [_values_in_line(line) for line in kept] or [None]
-        if first != head:
-            others = []
-            path.write_bytes(_as_line(head))
-        self.outcomes = {line["number"]: Outcome(**line) for line in others if line is not None}
-
-    def add(self, outcome: Outcome) -> None:
-        """Append an outcome."""
-        with self.path.open("ab") as file:
-            file.write(_as_line(asdict(outcome)))
-        self.outcomes[outcome.number] = outcome
-
-
-def _as_line(values: dict[str, Any]) -> bytes:
-    """Values as a line of JSON."""
-    return json.dumps(values, ensure_ascii=False).encode() + b"\n"
-
-
-def _values_in_line(line: bytes) -> dict[str, Any] | None:
-    """The values in a line; None if a kill has cut it off, also where the next line was appended to it."""
-    try:
-        values = json.loads(line)
-    except ValueError:
-        return None
-    return values if line.endswith(b"\n") and isinstance(values, dict) else None
 
 
 def placed(error: Exception) -> str:
@@ -216,17 +181,21 @@ def _of_scene(scene: Scene, result: StaticResult, model: str) -> tuple[str, str,
     return extremes.WRONG if fault else extremes.RIGHT, fault, lower is not None
 
 
-def judge_scenes(what: Campaign, kept: Part | None = None) -> Iterator[Outcome]:
-    """The scenes of a campaign one after another. kept: outcomes that are taken as they are, and where every new one is
-    put."""
-    known = {} if kept is None else kept.outcomes
-    for number in range(what.count):
-        outcome = known.get(number)
-        if outcome is None:
-            outcome = judge(what.seed, number, what.model, what.command, axis_text if what.axes else scene_text)
-            if kept is not None:
-                kept.add(outcome)
-        yield outcome
+def judge_scenes(what: Campaign, folder: Path | None = None) -> Iterator[Outcome]:
+    """The scenes of a campaign. folder: keeps their outcomes, so that an interrupted campaign of the same sources goes on."""
+    draw = axis_text if what.axes else scene_text
+    rows = {number: (what.seed, number, what.model, what.command, draw) for number in range(what.count)}
+    stored = None
+    if folder is not None:
+        header = {"seed": what.seed, "model": what.model, "axes": what.axes, "sources": sources_hash(PACKAGES)}
+        stored = StoredIn(folder, header, "--keep")
+    for _, outcome in solve_many(_outcome_values, rows, noun="scenes", stored=stored):
+        yield Outcome(**outcome)
+
+
+def _outcome_values(*how: Any) -> dict[str, Any]:
+    """Outcome of one scene by name, as it is stored."""
+    return asdict(judge(*how))
 
 
 def tally(outcomes: Sequence[Outcome]) -> dict[str, int]:

@@ -8,9 +8,10 @@ import pytest
 from tests.axes import one_set
 from tests.campaign import check, check_axes, files, scenes
 from tests.campaign.__main__ import main, run_solve
-from tests.campaign.scenes import Campaign, Part, judge_scenes
+from tests.campaign.scenes import Campaign, judge_scenes
 from tests.helpers import small_screw, solved
 
+from rollbench.compare.errors import InputError
 from rollbench.compare.studies import extremes
 from rollbench.meshes.parts import Support
 from rollbench.reports.content import Table
@@ -68,17 +69,13 @@ def test_scenes_that_were_wrong_once_are_right(seed, number, model):
     assert scenes.judge(seed, number, model).verdict == extremes.RIGHT
 
 
-def test_an_interrupted_campaign_goes_on(tmp_path):
-    kept = Part(tmp_path / "kept.part", 7, "lin")
-    first = list(judge_scenes(Campaign(7, 2), kept))
-    with kept.path.open("ab") as file:
-        file.write(b"00000000 {torn")
-    again = Part(kept.path, 7, "lin")
-    assert again.outcomes == {o.number: o for o in first}
-    before = kept.path.read_bytes()
-    assert list(judge_scenes(Campaign(7, 3), again))[:2] == first
-    assert kept.path.read_bytes().removeprefix(before).count(b"\n") == 1
-    assert Part(kept.path, 8, "lin").outcomes == {}
+def test_an_interrupted_campaign_goes_on(tmp_path, monkeypatch):
+    first = list(judge_scenes(Campaign(7, 2), tmp_path))
+    with monkeypatch.context() as patch:
+        patch.setattr(scenes, "judge", lambda _seed, number, *_how: scenes.Outcome(number, "judged again", "", 0.0))
+        assert [o.verdict for o in judge_scenes(Campaign(7, 3), tmp_path)] == [*(o.verdict for o in first), "judged again"]
+    with pytest.raises(InputError, match="another computation"):
+        list(judge_scenes(Campaign(8, 2), tmp_path))
 
 
 def test_mutated_files_are_refused_in_words():
