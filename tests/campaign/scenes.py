@@ -182,7 +182,7 @@ def _of_scene(scene: Scene, result: StaticResult, model: str) -> tuple[str, str,
 
 
 def judge_scenes(what: Campaign, folder: Path | None = None) -> Iterator[Outcome]:
-    """The scenes of a campaign. folder: keeps their outcomes, so that an interrupted campaign of the same sources goes on."""
+    """The scenes of a campaign. folder: keeps their outcomes, so that an interrupted one goes on with equal sources."""
     draw = axis_text if what.axes else scene_text
     rows = {number: (what.seed, number, what.model, what.command, draw) for number in range(what.count)}
     stored = None
