@@ -40,7 +40,7 @@ FOLDER, MODULES = "studies", "modules.json"
 #: Processor time [s] of the found studies, 20 or more, that a report recomputes: as it was when they were stored.
 RECOMPUTED = 40.0
 #: Files of measured run times, within a folder of stored runs.
-TIMES = ("run_times.json", "survey-times.json", "set_up_costs.json")
+TIMES = ("run_times.json", "survey-times.json")
 #: Difference of two numbers, over the larger one, that is round-off; and magnitude below which a number counts as zero.
 ROUND_OFF, NOTHING = 1e-6, 1e-9
 #: A number in a text.

@@ -35,16 +35,6 @@ FLOOR = 1e-2
 WARM_CALLS = 10
 #: Number of stages of a set-up, the longest ones, that the table of cold-start times names.
 DEAREST = 3
-#: Column headings of the processor times in a set-up of the 3D reference, by kind of work.
-WORK = {
-    "all": "CPU time of the stage",
-    "meshing": "CPU time of meshing",
-    "assembly": "CPU time of assembly",
-    "elimination": "CPU time of the elimination of unknowns inside the bodies",
-    "dense": "CPU time of the dense matrix algebra in the elimination of interior unknowns",
-}
-#: Columns of the table of cheaper set-ups, and names of their values.
-WAYS = {"scene": "scene", "set_up_variant": "way", "cpu_time_saved": "saved", "largest_change_f4": "moved"}
 #: Scenes with many contacts on which mesh level 1 is timed, for its memory.
 LARGE = ("unseen-40x10", "unseen-25x5")
 #: Largest number of panels in one figure.
@@ -377,46 +367,10 @@ def cold_start_time_table_of_mesh_levels(run_times: timing.StoredRunTimes) -> Ta
     note = (
         "Each level is computed in a separate process on all cores, from the start of the interpreter to the loads, "
         "without any stored mesh, part or run. Peak memory: sum of the peaks of all processes of one "
-        f"set-up. The tables reference-set-up-costs and reference-set-up-ways show what takes the time. {run_times}"
+        f"set-up. {run_times}"
     )
     title = "Run times of the mesh levels of the 3D reference from a cold start"
     return Table.from_rows("reference-levels-cold", title, rows, note)
-
-
-def set_up_time_tables(costs: Mapping[str, Any]) -> list[Table]:
-    """Return tables on the set-up of the 3D reference: processor time of each stage, and rejected faster variants.
-
-    ``costs``: measured processor times and, for each faster variant, the saved time and the change of contact loads, as
-    `compare.studies.run_times.load_set_up_costs` returns them.
-    """
-    conditions = store.MeasuringConditions(costs["version"], machine=costs["machine"])
-    measured = f"Measured with {conditions}, {costs['date']}, by tests/set_up_costs.py."
-    rows, floors = list[Row](), list[str]()
-    for job in costs["jobs"]:
-        whole = {kind: sum(spent.get(kind, 0.0) for spent in job["stages"].values()) for kind in WORK}
-        floors.append(f"{whole['all'] / 2.0:.1f} s ({job['scene']}, level {job['level']})")
-        for stage, spent in (*job["stages"].items(), ("all", whole)):
-            row: Row = {**{key: job[key] for key in ("scene", "level", "contacts")}, "stage": stage}
-            rows.append(row | {("work_time", words): spent.get(kind, 0.0) for kind, words in WORK.items()})
-    note = (
-        "One process with one thread, without start and imports. The work of elimination is determined by the meshes; its "
-        "dense algebra runs in LAPACK. Two cores that never wait for each other need at least "
-        f"{', '.join(floors)}. {measured}"
-    )
-    ways: list[Row] = [{key: way[name] for key, name in WAYS.items()} for way in costs["ways"]]
-    tried = (
-        "Faster variants of the set-up that were tried on level 1 and rejected. A variant may change a load by at most "
-        "0.001 % of the mean load, because stored runs must remain valid. The variant with a library of patches "
-        "interpolates the patch of one flank between pitch radii 5 % smaller and 5 % larger; a library for any screw would "
-        "have five such parameters (two conformities, contact angle, lead angle, ratio of ball and pitch radius) and, with "
-        f"ten values of each, 100,000 patches. {measured}"
-    )
-    by_stage = "Processor time of the set-up of the 3D reference, by stage and kind of work"
-    rejected = "Faster variants of the 3D set-up that were tried and rejected: CPU time saved, change of loads"
-    return [
-        Table.from_rows("reference-set-up-costs", by_stage, rows, note),
-        Table.from_rows("reference-set-up-ways", rejected, ways, tried),
-    ]
 
 
 def _longest_stages_text(level: timing.ColdLevelTime) -> str:
@@ -526,13 +480,11 @@ def run_time_conditions_sentence(cache: SceneResultCache, step: Step) -> str:
 def run_time_items(cache: SceneResultCache, step: Step) -> list[Table | Figure]:
     """Return the tables and figures of the section on run times.
 
-    In a quick report, the tables on new processes, mesh levels, commands and set-ups are left out. ``step`` is called with
+    In a quick report, the tables on new processes, mesh levels and commands are left out. ``step`` is called with
     each line of progress.
     """
     points, kept = cache.compute_once(errors_and_times_of_all_scenes, step), cache.compute_once(run_times_to_show, step)
     items: list[Table | Figure] = [error_and_time_table(points, run_time_conditions_sentence(cache, step))]
     if not cache.quick:
-        costs = timing.load_set_up_costs((*(cache.reference_folders or ()), store.shipped_store()))
         items += [] if kept is None else [cold_start_time_table_of_mesh_levels(kept), command_time_table(kept)]
-        items += [] if costs is None else set_up_time_tables(costs)
     return items if kept is None else [*items, run_time_ratio_table(points), *error_over_time_figures(points)]

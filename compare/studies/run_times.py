@@ -4,8 +4,7 @@ The cold time is that of a first use: a new interpreter, all imports, the set-up
 process with an empty folder for meshes. The warm time is that of a further solution in the same process, with the
 geometry prepared.
 
-A store holds the times of one measuring run (``rollbench bench --store FOLDER``), each stored as soon as it is measured,
-and the processor times of cold set-ups (measured by ``tests/set_up_costs.py``).
+A store holds the times of one measuring run (``rollbench bench --store FOLDER``), each stored as soon as it is measured.
 """
 
 from __future__ import annotations
@@ -234,8 +233,8 @@ def _run_with_empty_caches(label: str, **asked: Any) -> tuple[float, dict[str, A
     return found["done"] - begin, found, process.cpu_seconds
 
 
-#: Names of files in a store.
-RUN_TIMES, SET_UP_COSTS = "run_times.json", "set_up_costs.json"
+#: Name of the file in a store.
+RUN_TIMES = "run_times.json"
 
 
 @dataclass(frozen=True)
@@ -303,13 +302,6 @@ def save_run_times(store: Path, run_times: StoredRunTimes) -> None:
     )
 
 
-def _of_this_version(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the JSON values of a file with times; ValueError if they are of another version."""
-    if not shows_times_of(data.get("version", "")):
-        raise ValueError(UNMEASURED)
-    return data
-
-
 def load_run_times(stores: Sequence[Path]) -> StoredRunTimes | None:
     """Read stored run times of this version from the first folder with a valid file; None without one.
 
@@ -318,7 +310,9 @@ def load_run_times(stores: Sequence[Path]) -> StoredRunTimes | None:
 
     def run_times_from_json(data: dict[str, Any]) -> StoredRunTimes:
         """Return run times from the JSON values of their file; ValueError if they are of another version."""
-        conditions = measuring_conditions_from_json(_of_this_version(data))
+        conditions = measuring_conditions_from_json(data)
+        if not shows_times_of(conditions.version):
+            raise ValueError(UNMEASURED)
         times: dict[Timed, Measured] = {
             (r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]
         }
@@ -327,18 +321,6 @@ def load_run_times(stores: Sequence[Path]) -> StoredRunTimes | None:
         return StoredRunTimes(conditions, data["date"], times)
 
     return read_from_first_valid_folder(stores, RUN_TIMES, run_times_from_json)
-
-
-def load_set_up_costs(stores: Sequence[Path]) -> dict[str, Any] | None:
-    """Read the times of this version for setting up the 3D reference from the first folder with a valid file, or None.
-
-    The values, as tests/set_up_costs.py writes them: "machine", "date" and "version" of the measurement; "jobs", for each
-    scene and mesh level its number of loaded "contacts" and the processor times [s] of its "stages", each by kind of work:
-    "all", its parts "meshing", "assembly" and "elimination", and "dense", the dense algebra of the elimination; "ways",
-    cheaper ways of setting up mesh level 1, each with the processor time "saved" [s], and the largest change of a contact
-    load, "moved" [% of the mean load].
-    """
-    return read_from_first_valid_folder(stores, SET_UP_COSTS, _of_this_version)
 
 
 #: Command that writes the scene of a catalogue screw to ``my.toml``.

@@ -1,6 +1,5 @@
 """Run times that are kept: written and read, taken in place of new processes, shown beside errors of their version only."""
 
-import json
 from dataclasses import replace
 from unittest.mock import Mock
 
@@ -72,10 +71,6 @@ def test_a_measuring_run_goes_on_where_it_stopped(tmp_path):
 def test_a_planted_older_time_is_not_shown(tmp_path):
     kept_times.save_run_times(tmp_path, OLD)
     assert kept_times.load_run_times([tmp_path]) is None
-    costs = {"machine": "a machine", "date": "2026-01-02", "jobs": [], "ways": []}
-    for version, found in (("0.7.0", False), (measuring_conditions().version, True)):
-        (tmp_path / kept_times.SET_UP_COSTS).write_text(json.dumps(costs | {"version": version}))
-        assert (kept_times.load_set_up_costs([tmp_path]) is not None) == found
 
     def shown_of_lin_case1(kept):
         """Sentence about the measuring run, and times of lin-case1, with times planted in a folder before the shipped."""
