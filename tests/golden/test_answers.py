@@ -1,4 +1,6 @@
-"""All numbers that commands answer for shipped scenes of every kind: they guard against change, as those beside them.
+"""All numbers that commands answer for shipped scenes of every kind: they guard against change, not against error.
+
+They were written by the code that they test; closed forms, literature and property tests judge whether it is right.
 
 Of the numbers of one name in an answer, whatever list they stand in, their count and two weighted means are kept. Whoever
 changes them on purpose writes them again with ``python -m tests.golden.test_answers`` and says why in the commit.
