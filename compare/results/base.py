@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 import re
 import textwrap
-import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import zip_longest
@@ -150,33 +149,6 @@ class Record(ABC):
     def _notes(self) -> tuple[str, ...]:
         """Sentences printed below the table of results."""
         return ()
-
-    def __getitem__(self, path: str) -> JSON:
-        """Return the JSON value at a path of keys joined by dots; deprecated, use the fields or `to_dict`.
-
-        Parameters
-        ----------
-        path
-            Keys joined by dots, such as ``"summary.loads.max_N"``.
-
-        Returns
-        -------
-        JSON
-            The value.
-
-        Raises
-        ------
-        KeyError
-            If a key does not exist; the message lists the available keys.
-        """
-        warn_of_deprecation(f"result[{path!r}]", "its fields, in SI units, or result.to_dict()")
-        return self._json_value_at(path)
-
-    @property
-    def data(self) -> dict[str, JSON]:
-        """Result as a dictionary of JSON values; deprecated, use `to_dict`."""
-        warn_of_deprecation("result.data", "result.to_dict()")
-        return self.to_dict()
 
     def quantity(self, path: str) -> pint.Quantity:
         """Return a number of the result's JSON with its unit, as a quantity of the package pint.
@@ -401,19 +373,6 @@ class TabularRecord(Record):
         drawn = draw_figure_and_canvas(shown)[1]
         drawn.suptitle("\n".join(textwrap.wrap(shown.title, 76)), fontsize="medium")
         return drawn
-
-
-def warn_of_deprecation(former_name: str, replacement: str) -> None:
-    """Issue a DeprecationWarning, at the line of the user's code, for a name that the next version removes.
-
-    Parameters
-    ----------
-    former_name
-        The deprecated expression.
-    replacement
-        Expression that replaces it.
-    """
-    warnings.warn(f"{former_name} will be removed in the next version: use {replacement}", DeprecationWarning, stacklevel=3)
 
 
 def _columns_of_rows(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:

@@ -20,15 +20,7 @@ from rollbench.compare.models.registry import has_random_errors
 from rollbench.compare.models.set_results import Balls, SetResult, flank_load_summaries
 from rollbench.compare.models.stiffness import LoadPointStiffness, NutStiffness, stiffness_together
 from rollbench.compare.quantities import count_with_noun, json_number, record_as_json
-from rollbench.compare.results.base import (
-    HEADINGS,
-    JSON,
-    Row,
-    TabularRecord,
-    add_schema_version,
-    format_table_as_html,
-    warn_of_deprecation,
-)
+from rollbench.compare.results.base import HEADINGS, JSON, Row, TabularRecord, add_schema_version, format_table_as_html
 from rollbench.compare.results.rows import (
     bearing_and_nut_rows,
     duty_cycle_rows,
@@ -332,21 +324,6 @@ class Result(TabularRecord, Balls):
     def converged(self) -> bool:
         """Whether an equilibrium was found, in every load case."""
         return self.status is Status.CONVERGED
-
-    @property
-    def load(self) -> Array:
-        """Contact loads of n balls, (n, 4) [N], or with load cases (cases, n, 4); deprecated, use `loads`."""
-        warn_of_deprecation("result.load", "result.loads")
-        each = [one.loads for one in self.cases.values() if one.loads is not None]
-        return np.array(each) if each else np.zeros((0, 4)) if not self.only or self.loads is None else self.loads
-
-    @property
-    def angle(self) -> Array:
-        """Contact angles of n balls, (n, 4) [deg], or with load cases (cases, n, 4); deprecated, use `angles`, in rad."""
-        warn_of_deprecation("result.angle", "result.angles, in rad")
-        each = [one.angles for one in self.cases.values() if one.angles is not None]
-        found = np.array(each) if each else np.zeros((0, 4)) if not self.only or self.angles is None else self.angles
-        return np.degrees(found)
 
     def to_dict(self) -> dict[str, JSON]:
         """Return the result as a dictionary, as ``rollbench solve --json`` prints it, with the stiffness that it contains.

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 from importlib import import_module
 from typing import TYPE_CHECKING
-from warnings import warn
 
 if TYPE_CHECKING:
     from rollbench.compare import __version__
@@ -112,19 +111,12 @@ _ELSEWHERE = {
     "Judgement": "rollbench.compare.gate.verdict",
     "Verdict": "rollbench.compare.results.verdict",
 }
-#: Present names, by the former names that still work.
-_FORMER = {"Solution": "Result", "Judged": "Verdict"}
 
 
 def __getattr__(name: str) -> object:
     """Import a public name of the library when it is first used; AttributeError for any other name."""
     if name == "compare":
         return import_module("rollbench.compare")
-    if name in _FORMER:
-        present = _FORMER[name]
-        text = f"rollbench.{name} will be removed in the next version: use its new name rollbench.{present}"
-        warn(text, DeprecationWarning, 2)
-        name = present
     if name not in __all__:
         raise AttributeError(f"module 'rollbench' has no attribute {name!r}")
     found: object = getattr(import_module(_ELSEWHERE.get(name, "rollbench.compare.api")), name)

@@ -132,17 +132,6 @@ def test_the_library_prints_nothing_and_changes_no_state() -> None:
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
-def test_paths_of_earlier_versions_still_work_with_a_warning(solved: rollbench.Result) -> None:
-    with pytest.warns(DeprecationWarning, match="to_dict"):
-        assert solved["summary.loads.max_N"] == solved.loads.max()
-    with pytest.warns(DeprecationWarning, match="result.loads"):
-        np.testing.assert_array_equal(solved.load, solved.loads)
-    with pytest.warns(DeprecationWarning, match=r"rollbench\.Result"):
-        assert rollbench.Solution is rollbench.Result
-    with pytest.warns(DeprecationWarning, match="to_dict"), pytest.raises(KeyError, match="available keys: sides, loads"):
-        solved["summary.load"]
-
-
 def test_values_have_units(solved: rollbench.Result) -> None:
     number = 1e6 * solved.displacement[2]
     assert solved.quantity("summary.load_point.displacement_um").to("mm").magnitude == pytest.approx(1e-3 * number)
