@@ -5,6 +5,7 @@ import socket
 import sys
 import time
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -33,13 +34,19 @@ def process() -> int:
 
 
 def meet(folder) -> int:
-    """Wait until two processes are here."""
+    """Wait for two processes to be here; give up where only one ever comes."""
     (folder / str(os.getpid())).touch()
-    end = time.perf_counter() + 10.0
-    while len(list(folder.iterdir())) < 2:
-        assert time.perf_counter() < end
+    end = time.monotonic() + 60.0
+    while len(list(folder.iterdir())) < 2 and time.monotonic() < end:
         time.sleep(0.01)
     return os.getpid()
+
+
+def stay() -> tuple[float, float]:
+    """When a job begins and ends, by the clock that all processes of a machine share."""
+    begin = time.monotonic()
+    time.sleep(0.2)
+    return begin, time.monotonic()
 
 
 def fail(kind: str, seconds: float = 0.2):
@@ -103,9 +110,8 @@ def test_results_come_as_they_are_done_and_the_rest_is_dropped(tmp_path):
 
 def test_a_cluster_is_used_by_all_its_workers_or_as_many_as_asked(scheduler, tmp_path):
     assert len(set(run([(meet, (tmp_path,))] * 2, "dask", scheduler))) == 2
-    begin = time.perf_counter()
-    run([process] * 3, "dask", scheduler, workers=1)
-    assert time.perf_counter() - begin > 0.6
+    stays = sorted(run([stay] * 3, "dask", scheduler, workers=1))
+    assert all(end <= begin for (_, end), (begin, _) in pairwise(stays))
 
 
 @pytest.fixture
@@ -166,24 +172,24 @@ def deaf():
         yield f"tcp://127.0.0.1:{server.getsockname()[1]}"
 
 
+@pytest.mark.timeout(120)
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "deaf", "localhost", "no://such", ""])
-def test_what_is_no_scheduler_is_refused_in_time(address, request, monkeypatch):
+def test_what_is_no_scheduler_is_refused(address, request, monkeypatch):
+    """By our own patience: that of Dask is set longer than the test may last."""
+    import dask
+
     if address == "deaf":
         address = request.getfixturevalue(address)
-    assert parallel.PATIENCE <= 5.0
     monkeypatch.setattr(parallel, "PATIENCE", 0.5)
-    begin = time.perf_counter()
-    with pytest.raises(InputError, match=r"scheduler: got .*no answer of a scheduler.*advice: start one with"):
+    refused = pytest.raises(InputError, match=r"scheduler: got .*no answer of a scheduler.*advice: start one with")
+    with dask.config.set({"distributed.comm.timeouts.connect": "1h"}), refused:
         run(JOBS, "dask", address)
-    assert time.perf_counter() - begin < 2.0
 
 
 def test_a_scheduler_without_workers_is_refused_after_a_wait(capfd, monkeypatch):
     monkeypatch.setattr(parallel, "LONELY", 1.0)
-    begin, words = time.perf_counter(), r"no workers within 1 s; .*dask worker tcp://"
-    with cluster_of(0) as cluster, pytest.raises(InputError, match=words):
+    with cluster_of(0) as cluster, pytest.raises(InputError, match=r"no workers within 1 s; .*dask worker tcp://"):
         run(JOBS, "dask", cluster.scheduler_address)
-    assert 1.0 < time.perf_counter() - begin < 10.0
     assert "waiting 1 s for a worker" in capfd.readouterr().err
 
 
