@@ -161,6 +161,23 @@ OF_COMPARISON: dict[str, tuple[Callable[[ModelLoads], ModelLoads], tuple[str, ..
 }
 
 
+#: Spellings of an answer, as values that can be compared.
+SPELLINGS: dict[str, Callable[[Any], Any]] = {
+    "JSON": lambda x: x.to_dict(),
+    "text": str,
+    "notebook": lambda x: x._repr_html_(),
+    "repr": repr,
+    "frame": lambda x: x.columns(),
+}
+#: Numbers of a comparison that it does not show: of the solver and the search for models like this scene, errors by other
+#: measures (the gate's is `gate_error`), and what only the judged model has.
+NOT_OF_COMPARISON = (
+    *("contact_loads.angle", "contact_loads.stations", "contact_loads.line", "contact_loads.seconds"),
+    *("error.own_max_percent", "error.own_rms_percent", "error.gate_percent"),
+    *("expected_error.distance", "expected_error.compared", "expected_error.calibrated"),
+)
+
+
 @cache
 def compared() -> Comparison:
     """The comparison of the model lin with the 3D reference of a shipped scene."""
@@ -177,11 +194,15 @@ def test_a_changed_number_of_a_comparison_shows_in_every_spelling(name: str) -> 
         assert before != after, shown
 
 
-#: Spellings of an answer, as values that can be compared.
-SPELLINGS: dict[str, Callable[[Any], Any]] = {
-    "JSON": lambda x: x.to_dict(),
-    "text": str,
-    "notebook": lambda x: x._repr_html_(),
-    "repr": repr,
-    "frame": lambda x: x.columns(),
-}
+def test_every_number_of_a_comparison_shows() -> None:
+    """In JSON, frame or text; the page of a notebook shows what the text does."""
+    found = compared()
+    found = replace(found, models={"lin": found.models["lin"]})
+    before = {name: spell(found) for name, spell in SPELLINGS.items()}
+    silent = []
+    for path, _, _, change in numbers(found, "", lambda new: new):
+        after = {name: spell(change()) for name, spell in SPELLINGS.items()}
+        shown = {name for name in SPELLINGS if after[name] != before[name]}
+        if path.endswith(NOT_OF_COMPARISON) == bool(shown) or ("text" in shown) != ("notebook" in shown):
+            silent.append((path, shown))
+    assert not silent
