@@ -86,14 +86,6 @@ def fixed_axis(force=(0.0, 0.0, 600.0), preload=4e-6):
     return assembly(*pairs, nut("nut", 0.12, housing="carriage"), housings=(carriage,), supports=(TURNING,))
 
 
-def with_nominal_arms(parts):
-    """The assembly with lever arms to the nominal contact points, where the smooth bodies are loaded, in place of those to
-    the grooves' centres, on the same line as long as a contact keeps its angle."""
-    nominal = replace(parts.ingredients, arm="nominal")
-    sets = (replace(s, parts=replace(s.parts, ingredients=nominal)) for s in parts.sets)
-    return replace(parts, ingredients=nominal, sets=tuple(sets))
-
-
 def solved(parts, **options):
     """Result of an assembly that must converge."""
     result = solve_assembly(parts, **options)

@@ -71,11 +71,6 @@ def distorted(points, amount=0.05):
     return points + amount * bump
 
 
-def boundary(points):
-    """Nodes on the surface of the undistorted unit cube."""
-    return np.flatnonzero(np.any((points < 1e-12) | (points > 1.0 - 1e-12), axis=1))
-
-
 def outer_faces(cells, kind="P2"):
     """Outward faces that belong to one cell only, shape (k, nodes of a face), and how often any face occurs."""
     faces = cells[:, face_nodes(kind)]
