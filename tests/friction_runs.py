@@ -4,6 +4,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+import pytest
 from tests.helpers import small_screw
 from tests.whole_screws import MU, TURN
 
@@ -46,3 +47,14 @@ def sparse(count=9, **options):
     """A bearing with errors whose balls stay apart: nothing begins or ends."""
     base = small_screw(count, (count - 1) / count, lead=0.0, force=(60.0, 0.0, 400.0), screw="rigid", **options)
     return replace(base, errors=WAVES)
+
+
+def balls_keep_their_order(history, close):
+    """Assert that balls never overlap, keep their track's free way to ``close`` [rad], and press only where they meet."""
+    for track in history.setting.tracks:
+        gap, force = history.gap[:, track.balls], history.ball_force[:, track.balls]
+        free = track.ring - history.setting.spacing[track.balls].sum()
+        assert gap.min() >= 0.0
+        assert gap.sum(axis=1) == pytest.approx(np.full(history.time.size, free), abs=close)
+        assert force.min() >= 0.0
+        assert np.max(gap[force > 0.0], initial=0.0) < 1e-9

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 from tests import whole_screws
-from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
+from tests.friction_runs import MU, TURN, WAVES, balls_keep_their_order, crowded, setting, sparse
 from tests.helpers import small_screw, solved
 
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
@@ -54,13 +54,7 @@ def test_energy_load_and_order_at_every_instant(name, motion, friction):
         assert np.abs(h.axial * along).min() > 4.0 * np.abs(h.torque * turning).max()
     losses = h.torque * abs(turning)
     np.testing.assert_allclose(h.on_screw * turning, losses - h.axial * along, atol=1e-8 * losses.min(), rtol=0.0)
-    for track in h.setting.tracks:
-        gap, force = h.gap[:, track.balls], h.ball_force[:, track.balls]
-        free = track.ring - h.setting.spacing[track.balls].sum()
-        assert gap.min() >= 0.0
-        assert gap.sum(axis=1) == pytest.approx(np.full(h.time.size, free), abs=1e-10)
-        assert force.min() >= 0.0
-        assert np.max(gap[force > 0.0], initial=0.0) < 1e-9
+    balls_keep_their_order(h, 1e-10)
     if motion is TURN and not friction.feedback:
         assert (h.ball_force > 0.0).any() == (name == "balls that meet")
 
