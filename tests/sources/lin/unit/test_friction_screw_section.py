@@ -1,5 +1,7 @@
 """Report's section on friction in a ball screw, stability of friction, run times: entries, verdicts, data."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
@@ -20,11 +22,13 @@ pytestmark = [pytest.mark.xdist_group(GROUP), pytest.mark.slow]
 @pytest.fixture(scope="module")
 def section() -> Section:
     """The section, with the first 15 of the 200 steps by the source's rule of contact, and with each fifth of the varied
-    assumptions of the whole screw's run: these take most of its time."""
+    assumptions of the whole screw's run and each fourth oversize of two balls: these take most of its time."""
     varied = screw.simulation_input_variations()[::5]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(screw, "simulate_by_root", lambda run: simulate_by_root(run, 15))
         patch.setattr(screw, "simulation_input_variations", lambda: varied)
+        patch.setattr(screw, "OVERSIZE", screw.OVERSIZE[::4])
+        patch.setattr(screw, "pair_results_over_oversize", cache(screw.pair_results_over_oversize.__wrapped__))
         return friction.screw_section(STUDY, lambda _: None)
 
 
