@@ -87,7 +87,7 @@ def test_no_worker_outlives_the_process_that_started_it_and_nobody_waits_for_its
         os.kill(parent.pid, number)
         if stopped:
             os.kill(parent.pid, signal.SIGCONT)
-        lasting = left(workers, 10.0)
+        lasting = left(workers, 60.0)
         for pid in lasting:
             os.kill(pid, signal.SIGKILL)
         assert lasting == []
