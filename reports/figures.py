@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import matplotlib
@@ -87,8 +88,6 @@ LEVEL_NAMES = 8
 STEEP = 0.055
 #: Width of a figure that a phone shows in its full width, with letters that can be read there [inches].
 PHONE = 4.4
-#: Largest number of panels of a figure that is drawn once, for all screens, with its panels below each other.
-STACKED = 2
 #: Points within this share of a panel's width, from its left end, have their labels on their left; others on the right.
 LEFT = 0.4
 
@@ -232,6 +231,26 @@ def phone_figure(figure: Figure) -> Figure:
     legend_lines = sum(label.count("\n") + 1 for label in labels)
     height = len(panels) * max(2.5, 0.26 * rows) + 0.07 * names + 0.17 * legend_lines + 0.3
     return replace(figure, panels=panels, columns=1, size=(PHONE, height))
+
+
+def draw_panels_in_column(figure: Figure) -> str:
+    """Return the SVG document of a figure whose panels are drawn below each other, each as wide as a phone.
+
+    If there are several panels, the document has a view (element ``<view>``) of each, and one of their common legend, so
+    that a page can show them side by side where there is room.
+    """
+    svg, canvas = draw_figure_and_canvas(phone_figure(figure))
+    if len(figure.panels) == 1:
+        return svg
+    parts: list[Any] = [*canvas.axes, *canvas.legends]
+    boxes = [part.get_tightbbox().transformed(canvas.transFigure.inverted()) for part in parts]
+    ends = [1.0, *(0.5 * (above.y0 + below.y1) for above, below in pairwise(boxes)), 0.0]
+    (width, height), prefix = 72.0 * canvas.get_size_inches(), _prefix_of_identifiers(figure.name)
+    views = (
+        f'<view id="{prefix}-view{k}" viewBox="0 {height * (1.0 - top):.2f} {width:.2f} {height * (top - low):.2f}"/>\n'
+        for k, (top, low) in enumerate(pairwise(ends), start=1)
+    )
+    return svg.replace("</svg>", f"{''.join(views)}</svg>")
 
 
 class Canvas(matplotlib.figure.Figure):

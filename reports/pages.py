@@ -8,7 +8,7 @@ import shutil
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
@@ -42,10 +42,11 @@ HOW = "how"
 #: References in a text to a table, figure or section of the report, by its name.
 _NAMED = re.compile(r"\b([Tt]ables?|[Ff]igures?|[Ss]ections?) ([a-z0-9][\w.-]*\w)")
 
+#: Name, width and height of each view of a panel in an SVG document.
+_VIEW = re.compile(r'<view id="([^"]+)" viewBox="0 [\d.]+ ([\d.]+) ([\d.]+)"')
+
 #: Number of drawn items from which on they are drawn by several processes, which take seconds to start.
 WORTH_PROCESSES = 8
-
-T = TypeVar("T", content.Figure, content.PressureMap)
 
 #: Items that are drawn as SVG documents.
 Drawn = content.Figure | content.PressureMap | content.Sketch
@@ -94,13 +95,13 @@ def load_templates() -> Environment:
 
 
 def draw_forms(item: Drawn) -> tuple[str, list[str]]:
-    """Return the name of an item and its SVG documents: one, or one for a wide screen and one for a phone."""
+    """Return the name of an item and its SVG documents: one, or of a map one for a wide screen and one for a phone."""
     if isinstance(item, content.Sketch):
         return item.name, [sketch.draw_sketch(item)]
     if isinstance(item, content.Figure):
-        return item.name, [figures.draw_figure(form) for form in _forms(item, figures.phone_figure(item))]
-    phone = replace(item, columns=1, width=figures.PHONE)
-    return item.name, [figures.draw_pressure_map(form) for form in _forms(item, phone)]
+        return item.name, [figures.draw_panels_in_column(item)]
+    forms = (replace(item, columns=1, width=figures.PHONE), item)  # one panel or two are drawn for a phone only
+    return item.name, [figures.draw_pressure_map(form) for form in (forms[:1] if len(item.panels) <= 2 else forms[::-1])]
 
 
 def _draw_all(report: content.Report, processes: int) -> Iterator[tuple[str, list[str]]]:
@@ -287,7 +288,7 @@ def _item_template_data(item: content.Item, page: str, writer: _ReportWriter) ->
     if isinstance(item, content.Table):
         return table_template_data(item, writer.folder)
     view: dict[str, Any] = {"kind": "figure", "figure": item}
-    view |= dict.fromkeys(("file", "drawing", "narrow", "image", "missing", "turned"))
+    view |= dict.fromkeys(("file", "drawing", "narrow", "views", "image", "missing", "turned"))
     name = f"figures/{item.name}"
     if isinstance(item, Drawn):
         drawn = writer.svg_documents(item.name)
@@ -295,19 +296,12 @@ def _item_template_data(item: content.Item, page: str, writer: _ReportWriter) ->
         for form, svg in zip(forms, drawn, strict=False):
             _write_text(writer.folder / forms[form], svg)
             view[form] = forms[form]
+        view["views"] = _VIEW.findall(drawn[0])
         return {**view, "drawing": "one" if len(drawn) == 1 and not isinstance(item, content.Sketch) else "wide"}
     if isinstance(item, content.Picture):
         item.png.tofile(writer.folder / f"{name}.png")
         return view | {"file": f"{name}.png", "image": f"{name}.png"}
     return view | _picture_template_data(item, f"{name}.png", f"{page}#figure-{item.name}", writer)
-
-
-def _forms(item: T, phone: T) -> tuple[T, ...]:
-    """Return the forms in which a figure with panels is drawn: for a phone alone, or for a wide screen and for a phone.
-
-    ``item``: figure as laid out for a wide screen; ``phone``: the same figure with its panels in one column.
-    """
-    return (phone,) if len(item.panels) <= figures.STACKED else (item, phone)
 
 
 def _picture_template_data(

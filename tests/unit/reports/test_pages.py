@@ -81,7 +81,9 @@ class TestPage:
             assert MARKER in (written / name).read_text(encoding="utf-8")
             assert not {"link", "iframe", "object"} & {tag for tag, _ in page.elements}
             assert SEARCH in page.attributes("src")
-            assert all((written / file).is_file() for file in page.attributes("src"))
+            for file, _, view in (source.partition("#") for source in page.attributes("src")):
+                assert (written / file).is_file()
+                assert not view or f'<view id="{view}"' in (written / file).read_text(encoding="utf-8")
             known = page.attributes("id")
             assert len(set(known)) == len(known)
             for target in page.attributes("href"):
@@ -139,7 +141,7 @@ class TestReplacing:
     def test_failure_while_drawing_leaves_the_earlier_report(self, tmp_path, monkeypatch, error):
         pages.write_report(report(table()), tmp_path / "out")
         before = contents(tmp_path)
-        monkeypatch.setattr(pages.figures, "draw_figure", Mock(side_effect=error))
+        monkeypatch.setattr(pages.figures, "draw_panels_in_column", Mock(side_effect=error))
         with pytest.raises(error):
             pages.write_report(report(table("new"), figure("new")), tmp_path / "out")
         assert contents(tmp_path) == before
