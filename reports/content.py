@@ -5,6 +5,7 @@ The code that runs the models fills them; other modules of this package turn the
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -80,14 +81,15 @@ def table_column(key: ColumnKey) -> TableColumn:
 def axis_label(axis: ColumnKey) -> str:
     """Return the label of a figure's axis: heading and unit of the column that it shows, as ``contact load / N``.
 
-    ``axis``: the column, as `ColumnKey`; a text that is no name in ``columns.toml`` is a label made from data.
+    ``axis``: the column, as `ColumnKey`; a text that does not look like a name in ``columns.toml`` is a label made from
+    data. Raises KeyError for what looks like a name, but is none.
 
     Examples
     --------
     >>> axis_label("contact_load"), axis_label("load of ball 3 / N")
     ('contact load / N', 'load of ball 3 / N')
     """
-    if isinstance(axis, str) and axis not in _entries_of_columns():
+    if isinstance(axis, str) and axis not in _entries_of_columns() and not re.fullmatch(r"[a-z]+(_[a-z0-9]+)+", axis):
         return axis
     column = table_column(axis)
     return f"{column.label} / {column.unit}" if column.unit else column.label

@@ -262,13 +262,24 @@ def _create_or_check_folder(folder: Path, header: Mapping[str, Any], argument: s
     allowed, advice = "a new folder, or that of this computation", "choose another folder for another computation"
     if path.exists():
         if path.read_text(encoding="utf-8") != text:
-            raise ArgumentError(argument, "the folder of another computation", allowed, advice, str(folder))
+            given = f"the folder of another computation{_differences(path, header)}"
+            raise ArgumentError(argument, given, allowed, advice, str(folder))
     else:
         if folder.exists() and any(folder.iterdir()):
             raise ArgumentError(argument, "a folder with other files", allowed, advice, str(folder))
         replace_file(path, text)
     (folder / RECORDS).mkdir(exist_ok=True)
     (folder / LOCKS).mkdir(exist_ok=True)
+
+
+def _differences(path: Path, header: Mapping[str, Any]) -> str:
+    """Return which values of a stored header differ from those of ``header``, as the end of a message."""
+    try:
+        stored = json.loads(path.read_text(encoding="utf-8"))
+        names = [name for name in {**stored, **header} if stored.get(name) != header.get(name)]
+    except (ValueError, TypeError, AttributeError):
+        return ""
+    return f", with other values of {', '.join(names)}" if names else ""
 
 
 def _wait_for_earlier_runs(folder: Path, argument: str) -> None:

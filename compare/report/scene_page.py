@@ -282,7 +282,7 @@ def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Refe
     panels = []
     geometry = draw_geometry_with_errors(scene, ball_layout(scene), result.member)
     pressure = 1e-6 * hertz_of_every_contact(scene, geometry).pressure(result.load)
-    for s, side in enumerate(SIDES[:2]):
+    for s, side in enumerate(SIDES[:2]):  # a ball's contact with the nut carries nearly the load of that opposite to it
         if not (result.load[:, s] > 0.0).any():
             continue
         series = [contact_load_curve(r.label, r, s, "markers", uncertainty=r.uncertainty) for r in references]

@@ -1,7 +1,9 @@
 """Columns of what many solves answer: for each, its heading and how it follows from one solved scene.
 
-A sweep stores these columns; to add one, add its line to `COLUMNS`. A table shows those that `QUANTITIES` in
-`compare/results/table.py` names.
+A sweep stores these columns; to add one, add its line to `COLUMNS`. A column of balls takes them from
+`SolvedScene.ball_sets`, of all nuts and ball bearings, and is None where there are none. With load cases, a value is that
+of the case with the largest contact load, unless `row_of_duty_cycle` computes it from all. A table shows those columns
+that `QUANTITIES` in `compare/results/table.py` names.
 """
 
 from __future__ import annotations

@@ -86,7 +86,7 @@ def test_rows_are_solved_once_and_after_a_kill_those_that_it_cut_off(name, answe
     with monkeypatch.context() as patch:
         patch.setattr(many, "_solve_row", gone)
         assert answers(spelling) == alone
-    words = "got the folder of another computation; allowed: a new folder"
+    words = "got the folder of another computation, with other values of "
     assert f"{spelling.store}: {words}" in command.refused(*spelling.other, spelling.store, "rows")
     files = [*(tmp_path / "rows" / many.RECORDS).glob("*.lines")]
     lines = [line for file in files for line in file.read_bytes().splitlines(keepends=True)]
