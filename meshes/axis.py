@@ -117,45 +117,40 @@ def _stiffness_keys(matrix: Stiffness | None) -> Table:
 class RollerRow:
     """One row of tapered rollers with its rings: dimensions, material, and data for friction at the rib."""
 
-    count: ranges.Count = scene_key("number of rollers", 16, static=True)
-    diameter: ranges.Size = scene_key("mean diameter of a roller", "8.4 mm", static=True)
-    length: ranges.Size = scene_key("effective length of a roller", "12.4 mm", static=True)
+    count: ranges.Count = scene_key("number of rollers", 16)
+    diameter: ranges.Size = scene_key("mean diameter of a roller", "8.4 mm")
+    length: ranges.Size = scene_key("effective length of a roller", "12.4 mm")
     cup_angle: ranges.ContactAngle = scene_key(
-        "half included angle of the cup: angle between its raceway and the axis", "30.8 deg", static=True
+        "half included angle of the cup: angle between its raceway and the axis", "30.8 deg"
     )
-    roller_angle: ranges.ContactAngle = scene_key("half included angle of a roller", "4 deg", static=True)
+    roller_angle: ranges.ContactAngle = scene_key("half included angle of a roller", "4 deg")
     #: Depth below the raceways of both rings down to which their deformation is considered [m].
-    depth: ranges.Size = scene_key(static=True)
+    depth: ranges.Size
     #: Elastic material of rollers and rings.
-    material: Material = scene_key(static=True)
+    material: Material
     #: Radius of the crowning of the contact lines with both raceways [m]; infinite for straight rollers.
-    crown: float = frozen_default(float("inf"), static=True)
-    slices: ranges.Slices = frozen_default(15, "number of slices into which a roller is divided", 15, static=True)
+    crown: float = frozen_default(float("inf"))
+    slices: ranges.Slices = frozen_default(15, "number of slices into which a roller is divided", 15)
     #: Azimuth of the first roller [rad].
-    phase: float = frozen_default(0.0, static=True)
+    phase: float = frozen_default(0.0)
     end_radius: ranges.Size | None = frozen_default(
         None,
         "radius of the spherical large end, for the pressure at the rib; usually 0.8 to 0.95 of its distance from the apex",
         "55 mm",
-        static=True,
     )
     rib_height: ranges.Size | None = frozen_default(
-        None,
-        "height of the rib contact above the cone's raceway; a tenth of the roller diameter if left out",
-        "0.8 mm",
-        static=True,
+        None, "height of the rib contact above the cone's raceway; a tenth of the roller diameter if left out", "0.8 mm"
     )
     rib_friction: ranges.Coefficient | None = frozen_default(
-        None, "coefficient of friction between large end and rib; 0.1 if left out", 0.1, static=True
+        None, "coefficient of friction between large end and rib; 0.1 if left out", 0.1
     )
     torque_factor: ranges.TorqueFactor | None = frozen_default(
-        None, "manufacturer's factor G1 of Timken's formula for the friction torque", 40, static=True
+        None, "manufacturer's factor G1 of Timken's formula for the friction torque", 40
     )
     edge_radius: ranges.Size | None = frozen_default(
         None,
         "radius of the edges at both ends of the effective length, for the roller in 3D; sharp edges if left out",
         "1 mm",
-        static=True,
     )
     #: Load ratings by the maker.
     rating: parts_records.MakerRating = frozen_default(parts_records.MakerRating(), static=False)
@@ -172,34 +167,28 @@ class RollingSet:
 
     name: ranges.Name = scene_key("name of the nut or bearing in results", "nut 1", static=False)
     #: Type of the rolling set.
-    kind: Literal["ball nut", "bearing", "tapered roller bearing"] = scene_key(static=True)
+    kind: Literal["ball nut", "bearing", "tapered roller bearing"]
     #: For balls, a scene without supports and loads: track, grooves, balls and errors; its screw is the shaft with this
     #: rolling set's inner groove. For tapered rollers, the row of rollers.
-    parts: Scene | RollerRow = scene_key(static=True)
+    parts: Scene | RollerRow
     #: Axial position of the centre of the outer part, or of the middle of the contact lines on the cup [m].
-    position: float = scene_key(static=True)
+    position: float
     housing: ranges.Name | None = frozen_default(
-        None,
-        "name of the housing that holds the nut or outer ring; if left out, the nut or ring is fixed",
-        "carriage",
-        static=True,
+        None, "name of the housing that holds the nut or outer ring; if left out, the nut or ring is fixed", "carriage"
     )
     offset: ranges.Deviation = frozen_default(
-        0.0, "shift of nut or outer ring relative to its housing, along z (spacer, lead offset)", "4 um", static=True
+        0.0, "shift of nut or outer ring relative to its housing, along z (spacer, lead offset)", "4 um"
     )
     #: Axial preload [N]: at mounting, without external loads, the outer part is displaced until the rolling set carries
     #: this axial force, and is then fixed to its housing; 0 for no preload.
-    preload: float = frozen_default(0.0, static=True)
+    preload: float = frozen_default(0.0)
     #: Direction of the axial force on the shaft that the rolling set can carry.
-    thrust: Thrust = frozen_default("both", static=True)
+    thrust: Thrust = frozen_default("both")
     carrier: ranges.Name | None = frozen_default(
-        None, "name of the housing on which its inner ring sits; the shaft if left out", "nut", static=True
+        None, "name of the housing on which its inner ring sits; the shaft if left out", "nut"
     )
     seals: ranges.Torque = frozen_default(
-        0.0,
-        "friction torque of the seals or wipers as in catalogues; for an arrangement, of each row",
-        "100 N mm",
-        static=True,
+        0.0, "friction torque of the seals or wipers as in catalogues; for an arrangement, of each row", "100 N mm"
     )
 
     def file_keys(self, shaft: Screw, shared: Material) -> Table:
@@ -268,23 +257,17 @@ class Assembly:
     #: Name of the scene.
     name: str = scene_key(static=False)
     title: ranges.Sentence = scene_key(parts_records.TITLE, "Screw under 5 kN", static=False)
-    screw: Screw = scene_key("screw shaft", static=True)
-    sets: tuple[RollingSet, ...] = scene_key("ball nuts and bearings, in any order", static=True)
+    screw: Screw = scene_key("screw shaft")
+    sets: tuple[RollingSet, ...] = scene_key("ball nuts and bearings, in any order")
     #: Segments of the shaft without groove.
-    segments: tuple[Segment, ...] = frozen_default((), static=True)
-    housings: tuple[Housing, ...] = frozen_default(
-        (), "housings that move", [{"name": "carriage", "at": "400 mm"}], static=True
-    )
-    joints: tuple[Joint, ...] = frozen_default(
-        (), "springs between housings", [{"between": ["a", "b"], "at": "400 mm"}], static=True
-    )
+    segments: tuple[Segment, ...] = frozen_default(())
+    housings: tuple[Housing, ...] = frozen_default((), "housings that move", [{"name": "carriage", "at": "400 mm"}])
+    joints: tuple[Joint, ...] = frozen_default((), "springs between housings", [{"between": ["a", "b"], "at": "400 mm"}])
     supports: tuple[Support, ...] = frozen_default(
-        (), "supports of the shaft other than bearings", [{"at": "0 mm", "fix": ["rz"]}], static=True
+        (), "supports of the shaft other than bearings", [{"at": "0 mm", "fix": ["rz"]}]
     )
-    loads: parts_records.Loads = frozen_default((), "loads on the shaft", parts_records.LOADED, static=True)
-    ingredients: Ingredients = frozen_default(
-        Ingredients(), "options of the low-order models", {"section": "full"}, static=True
-    )
+    loads: parts_records.Loads = frozen_default((), "loads on the shaft", parts_records.LOADED)
+    ingredients: Ingredients = frozen_default(Ingredients(), "options of the low-order models", {"section": "full"})
     source: ranges.Words = frozen_default("", parts_records.SOURCE, "Lin 2019, 2.4.1.1", static=False)
     assumed: ranges.Sentences = frozen_default((), parts_records.ASSUMED, ["The nut is rigid."], static=False)
     friction: Friction | None = frozen_default(None, "friction of balls and grooves", {"coefficient": 0.1}, static=False)
@@ -297,12 +280,11 @@ class Assembly:
     #: Axial position [m], or name of the housing, at which the tangent stiffness is computed; None: where the loads act.
     stiffness_at: float | str | None = frozen_default(None, static=False)
     #: Thermal strain of the unconstrained shaft, uniform along it.
-    thermal_strain: float = frozen_default(0.0, static=True)
+    thermal_strain: float = frozen_default(0.0)
     drive: Drive = frozen_default(
         Drive(),
         "what the motor drives in addition to the shaft: moved mass, inertia, friction torque, and time of acceleration",
         {"mass": "200 kg"},
-        static=True,
     )
     #: Kind of the scene, as its file names it.
     kind: ClassVar[str] = "axis"

@@ -20,7 +20,7 @@ import numpy as np
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.files import create_folder_for_group, make_readable_for_group, temporary_path
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.record_keys import digest_of_values
+from rollbench.meshes.record_keys import digest_of_values, static_part
 
 #: Version of the format of files with compliance matrices; files of other versions are not read.
 FORMAT = 2
@@ -129,7 +129,8 @@ def digest_of_geometry(scene: Scene) -> str:
     str
         16 hexadecimal digits.
     """
-    return digest_of_values(scene.track, scene.screw, scene.nut, scene.balls, scene.solid, scene.ingredients.screw)[:16]
+    parts = static_part((scene.track, scene.screw, scene.nut, scene.balls, scene.solid))
+    return digest_of_values(*parts, scene.ingredients.screw)[:16]
 
 
 def read_condensed_bodies(path: Path) -> CondensedBodies:

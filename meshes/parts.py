@@ -720,10 +720,10 @@ class Scene:
     #: Name of the scene.
     name: str = scene_key(static=False)
     title: ranges.Sentence = scene_key(TITLE, "Screw under 5 kN", static=False)
-    track: Track = scene_key("path of the ball centres", static=True)
-    screw: Screw = scene_key("screw shaft, or inner ring", static=True)
-    nut: Nut = scene_key("nut, or outer ring", static=True)
-    balls: Balls = scene_key("size, number and positions of the balls", static=True)
+    track: Track = scene_key("path of the ball centres")
+    screw: Screw = scene_key("screw shaft, or inner ring")
+    nut: Nut = scene_key("nut, or outer ring")
+    balls: Balls = scene_key("size, number and positions of the balls")
     source: ranges.Words = frozen_default("", SOURCE, "Lin 2019, 2.4.1.1", static=False)
     assumed: ranges.Sentences = frozen_default((), ASSUMED, ["The nut is rigid."], static=False)
     role: Literal["", "referenced", "unseen, changed parts", "unseen, catalogue size"] = frozen_default(
@@ -735,27 +735,23 @@ class Scene:
         static=False,
     )
     members: ranges.Members = frozen_default(1, "number of specimens, each with its own random errors", 200, static=False)
-    errors: Errors = frozen_default(Errors(), "manufacturing errors of balls and grooves", {"seed": 0}, static=True)
-    supports: tuple[Support, ...] = frozen_default(
-        (), "supports of the screw", [{"at": "0 mm", "fix": ["ux", "uy"]}], static=True
-    )
-    loads: Loads = frozen_default((), "loads on the screw", LOADED, static=True)
-    ingredients: Ingredients = frozen_default(
-        Ingredients(), "options of the low-order models", {"screw": "rigid"}, static=True
-    )
+    errors: Errors = frozen_default(Errors(), "manufacturing errors of balls and grooves", {"seed": 0})
+    supports: tuple[Support, ...] = frozen_default((), "supports of the screw", [{"at": "0 mm", "fix": ["ux", "uy"]}])
+    loads: Loads = frozen_default((), "loads on the screw", LOADED)
+    ingredients: Ingredients = frozen_default(Ingredients(), "options of the low-order models", {"screw": "rigid"})
     calibration: Calibration = frozen_default(
         Calibration(),
         "values fitted to a measured or published result of this screw",
         {"segment_stiffness": "258 kN/um"},
         static=False,
     )
-    solid: Solid = frozen_default(Solid(), "inputs of the 3D reference only", {"nut_groove": "through"}, static=True)
+    solid: Solid = frozen_default(Solid(), "inputs of the 3D reference only", {"nut_groove": "through"})
     friction: Friction | None = frozen_default(None, "friction of balls and grooves", {"coefficient": 0.1}, static=False)
     motion: Motion | None = frozen_default(
         None, "part that rotates, and its angular speed", {"speed": "600 rpm"}, static=False
     )
     lubricant: Lubricant | None = frozen_default(
-        None, "lubricant, for torques that depend on speed", {"viscosity": "27 mm2/s"}, static=True
+        None, "lubricant, for torques that depend on speed", {"viscosity": "27 mm2/s"}
     )
     circulation: Circulation | None = frozen_default(
         None, "number of ball circuits, and how far the balls fill them", {"returning": 4, "filling": 0.8}, static=False

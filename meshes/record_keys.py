@@ -32,7 +32,7 @@ _NONE: Any = object()
 
 
 def scene_key(
-    description: str = "", example: object = None, *, static: bool | None = None, usual: Any = _NONE, **more: Any
+    description: str = "", example: object = None, *, static: bool = True, usual: Any = _NONE, **more: Any
 ) -> Any:
     """Return a dataclass field that is also a key of scene files; without a default, a file must have the key.
 
@@ -42,9 +42,8 @@ def scene_key(
         Description of the key, for the JSON schema and the manual; without it the field is no key.
     example : object, default None
         Example of a value as written in a scene file; that of the field's type if left out.
-    static : bool, optional
-        Whether the field has an effect on static contact loads, and so is a part of the keys of stored runs. If one field
-        of a record says so, all must.
+    static : bool, default True
+        Whether the field has an effect on static contact loads, and so is a part of the keys of stored runs and bodies.
     usual : object, optional
         Frozen default, as `frozen_default` sets it; the default of today may be another.
     **more : Any
@@ -61,7 +60,7 @@ def scene_key(
 
 
 def frozen_default(
-    default: Any, description: str = "", example: object = None, *, static: bool | None = None, compare: bool = True
+    default: Any, description: str = "", example: object = None, *, static: bool = True, compare: bool = True
 ) -> Any:
     """Return a dataclass field with a frozen default: a value equal to it does not change the keys of stored 3D runs.
 
@@ -102,16 +101,11 @@ def frozen_record(record: type[T]) -> type[T]:
     Raises
     ------
     TypeError
-        The default of a field is not defined by `frozen_default`, or some fields say whether they affect static contact
-        loads (``static``) and this one does not.
+        The default of a field is not defined by `frozen_default`.
     """
     dataclass(frozen=True)(record)
     frozen: dict[str, object] = {}
-    of_record = fields(record)  # type: ignore[arg-type]
-    for each in of_record:
-        if "static" not in each.metadata and any("static" in other.metadata for other in of_record):
-            advice = "say static = True or False: whether it affects static contact loads, and so the keys of stored runs"
-            raise TypeError(f"{record.__name__}.{each.name}: {advice}")
+    for each in fields(record):  # type: ignore[arg-type]
         if "usual" in each.metadata:
             frozen[each.name] = each.metadata["usual"]
         elif each.default is not MISSING or each.default_factory is not MISSING:
@@ -131,21 +125,25 @@ def static_part(record: Any) -> Any:
     Parameters
     ----------
     record : Any
-        Record with fields that say whether they affect static contact loads, tuple of records, or any other value.
+        Record, tuple of records, or any other value.
 
     Returns
     -------
     Any
         The record with the frozen default, or an empty text, in these fields; another value unchanged.
     """
-    if isinstance(record, tuple):
+    if type(record) is tuple:
         return tuple(map(static_part, record))
-    said = [each for each in fields(record) if "static" in each.metadata] if is_dataclass(record) else []
+    if not is_dataclass(record):
+        return record
     changes = {
-        each.name: static_part(getattr(record, each.name)) if each.metadata["static"] else each.metadata.get("usual", "")
-        for each in said
+        each.name: static_part(getattr(record, each.name))
+        if each.metadata.get("static", True)
+        else each.metadata.get("usual", "")
+        for each in fields(record)
+        if each.init
     }
-    return replace(record, **changes) if said else record
+    return replace(record, **changes)  # type: ignore[type-var]
 
 
 #: Version of the canonical text, a part of every digest; increase it when the text of any value changes.

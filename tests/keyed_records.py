@@ -104,5 +104,7 @@ def other(value: object, hint: object) -> object:
         return value + 1e-15
     if isinstance(value, tuple):
         return (*value[:-1], other(value[-1], type(value[-1])))
-    name, hints = names(type(value))[-1], typing.get_type_hints(type(value))
+    metadata = {f.name: f.metadata for f in dataclasses.fields(value)} if dataclasses.is_dataclass(value) else {}
+    name = [n for n in names(type(value)) if metadata.get(n, {}).get("static", True)][-1]  # one that may change keys
+    hints = typing.get_type_hints(type(value))
     return changed(value, **{name: other(getattr(value, name), hints[name])})

@@ -46,13 +46,22 @@ def test_a_default_that_is_not_frozen_fails_at_import_and_one_that_is_changed_la
     assert list(map(record_keys.canonical_text, (Later(), Later(1.0)))) == ["Later(sign=-1)", "Later()"]
 
 
-def test_a_field_that_does_not_say_whether_static_loads_depend_on_it_fails_at_import() -> None:
-    class Unsaid:
-        length: float = record_keys.scene_key(static=True)
-        noise: float = record_keys.frozen_default(0.0)
+def test_a_field_of_any_part_that_has_no_effect_on_static_loads_changes_no_key(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(record_keys.FROZEN, "Nut", {})
 
-    with pytest.raises(TypeError, match=r"Unsaid\.noise: say static = True or False"):
-        record_keys.frozen_record(Unsaid)
+    @record_keys.frozen_record
+    class Nut(RECORDS["Nut"]):  # type: ignore[misc]
+        drawing_number: str = record_keys.frozen_default("", static=False)
+
+    monkeypatch.setattr(module, "_frozen_default_texts", module._frozen_default_texts.__wrapped__)
+    scene = catalogue.scene("lin-case1")
+    named = dataclasses.replace(scene, nut=Nut(**vars(scene.nut), drawing_number="BS-4010"))
+    assert run_and_body_keys(named, {}) == run_and_body_keys(scene, {})
+    longer = dataclasses.replace(named, nut=dataclasses.replace(named.nut, length=0.1))
+    assert run_and_body_keys(longer, {})[1] != run_and_body_keys(scene, {})[1]
+
+
+def test_the_static_part_of_a_scene_is_without_names_and_friction() -> None:
     nut, axis = catalogue.shipped_scene("lin-case1"), catalogue.shipped_scene("smith-axis-taper")
     for scene in (nut, axis):
         renamed = dataclasses.replace(scene, name="x", title="y", source="z", assumed=("a",), friction=None)
@@ -120,7 +129,7 @@ def test_another_default_of_any_field_changes_the_form_of_what_relies_on_it(name
     assert record_keys.canonical_text(built(later, **given)) != record_keys.canonical_text(built(record, **given))
 
 
-@pytest.mark.parametrize("field", [f.name for f in dataclasses.fields(Scene) if f.metadata["static"]])
+@pytest.mark.parametrize("field", [f.name for f in dataclasses.fields(Scene) if f.metadata.get("static", True)])
 def test_any_field_that_static_loads_depend_on_changes_the_key_of_a_run(
     field: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
