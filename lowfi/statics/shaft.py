@@ -70,6 +70,9 @@ SparseFrame = tuple[Any, Any, Callable[[Array], Array], Callable[[Array], Array]
 CHUNK = 512
 #: Number of beams whose factors and compliances are kept.
 KEPT = 8
+#: Largest number of corrections of a beam's motions by their residual, and the largest correction, as a fraction of the
+#: largest motion, that is the last one: the next would be about its square.
+CORRECTIONS, CORRECTED = 4, 1e-8
 
 
 def _beam_of_flanks(shaft: ShaftBeam, screw_flanks: list[int]) -> tuple[Any, ...]:
@@ -110,16 +113,19 @@ class ShaftBeam:
     def motions_under_loads(self, loads: Array) -> Array:
         """Return the motions ``(6 n, c)`` [m, rad] of the n nodes under c cases of nodal ``loads`` ``(6 n, c)`` [N, N m].
 
-        Fixed and pinned degrees of freedom do not move. The solution is corrected once by its residual, see
-        `beam.nodal_forces`.
+        Fixed and pinned degrees of freedom do not move. The solution is corrected by its residual, see `beam.nodal_forces`:
+        once, but more often on a long shaft with thousands of nodes, where the factor has lost most of its digits.
         """
         out = np.where(self.free_dofs[:, None], loads, 0.0)
         if self.free_dofs.any():
             applied = out.copy()
             substitute(self.stiffness_factor, out)
-            rest = np.where(self.free_dofs[:, None], applied - self.nodal_forces(out), 0.0)
-            substitute(self.stiffness_factor, rest)
-            out += rest
+            for _ in range(CORRECTIONS):
+                rest = np.where(self.free_dofs[:, None], applied - self.nodal_forces(out), 0.0)
+                substitute(self.stiffness_factor, rest)
+                out += rest
+                if np.abs(rest).max(initial=0.0) <= CORRECTED * np.abs(out).max(initial=0.0):
+                    break
         return out
 
     @cached_property

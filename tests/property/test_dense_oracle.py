@@ -7,6 +7,7 @@ from tests.campaign.draw_axes import axis_text
 from tests.dense_beam import frame_of_assembly, frame_of_problem, loads_of
 
 from rollbench.compare.errors import InputError
+from rollbench.compare.models.study import with_ball_count
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies import extremes
 from rollbench.lowfi.statics import settle, static
@@ -97,6 +98,18 @@ def test_random_screws():
 @pytest.mark.further
 def test_random_axes():
     assert sum(check(s) for s in (drawn(axis_text, k) for k in range(AXES)) if s is not None) > AXES // 8
+
+
+@pytest.mark.further
+@pytest.mark.parametrize("balls", [1000, 5000])
+def test_thousands_of_balls_are_in_balance(balls):
+    """Too many for the dense equations; the balance of all forces on the screw does not use the solved ones."""
+    scene = with_ball_count(catalogue.scene("lin-case1"), balls)
+    result = static.solve_static(scene)
+    assert result.status == "converged"
+    found = result.equilibrium
+    assert max(found.force_residual, found.moment_residual, found.ball_residual) < NEAR
+    assert abs(found.contact_force[2]) == pytest.approx(5000.0, rel=NEAR)
 
 
 @pytest.mark.parametrize("name", ["lin-case1", "lin-case3-offset", "bearing-9-preload", "smith-axis-taper"])
