@@ -1,8 +1,7 @@
-"""Numerical stability: scenes that are hard to solve, solved by several formulations of the equations.
+"""Numerical stability: scenes that are hard to solve, solved by several models.
 
-The scenes are in `hard_scenes`. A second formulation, whose unknowns are the contact loads and which uses the compliance of
-the same beam, must find the same loads. This formulation does not solve rows of rollers without balls; for these the
-load-displacement law of every roller slice is checked instead.
+The scenes are in `hard_scenes`. A test (`tests/property/test_dense_oracle.py`) solves those with up to 40 balls by its own
+equations and compares the loads. For rollers, the load-displacement law of every slice is checked here.
 
 A publication brings further formulations, by the `formulations` of its `Case`.
 
